@@ -1,0 +1,185 @@
+"""The primitives that every law and model is written in, and the mark for functions that compile.
+
+A function marked with `scalar` is plain Python over floats: called from Python it runs as it is.
+The ensemble engine hands all marked functions to the compiler when lanes are first needed, and
+then replaces the primitives below by inlined polynomials; there is no second copy of any law.
+Marking costs nothing at import.
+"""
+
+import math
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+MARKED: list[Callable[..., Any]] = []
+"""Every function marked with `scalar`, in order of definition (callees before callers)."""
+
+
+def scalar(function: Function) -> Function:
+    """Mark a pure function of floats as a source for compiled lanes, and return it unchanged.
+
+    Such a function takes and returns floats (or tuples of floats), uses only other marked
+    functions, the primitives of this module, ``abs``, ``min``, ``max`` and ``math.sqrt``, and
+    chooses with conditional expressions.
+
+    Parameters
+    ----------
+    function : callable
+        The function to mark.
+
+    Returns
+    -------
+    callable
+        The same function.
+
+    Examples
+    --------
+    >>> from parkproof.scalar import scalar, spow
+    >>> @scalar
+    ... def square_root_law(x: float) -> float:
+    ...     return -spow(x, 0.5)
+    >>> square_root_law(4.0)
+    -2.0
+    """
+    MARKED.append(function)
+    return function
+
+
+def spow(x: float, p: float) -> float:
+    """Signed power ⌈x⌋^p = sign(x)·|x|^p (the paper's notation; equals x^p for odd/odd p).
+
+    Parameters
+    ----------
+    x : float
+        Base, any real number.
+    p : float
+        Exponent, p > 0.
+
+    Returns
+    -------
+    float
+        ⌈x⌋^p, with ⌈0⌋^p = 0.
+
+    Examples
+    --------
+    >>> from parkproof.scalar import spow
+    >>> spow(-8.0, 1 / 3)
+    -2.0
+    """
+    return math.copysign(abs(x) ** p, x)
+
+
+def sine(x: float) -> float:
+    """Sine of an angle in radians.
+
+    Parameters
+    ----------
+    x : float
+        Angle in rad.
+
+    Returns
+    -------
+    float
+        sin x.
+
+    Examples
+    --------
+    >>> from parkproof.scalar import sine
+    >>> sine(0.0)
+    0.0
+    """
+    return math.sin(x)
+
+
+def arctan(x: float) -> float:
+    """Angle in (−π/2, π/2) whose tangent is given.
+
+    Parameters
+    ----------
+    x : float
+        A tangent.
+
+    Returns
+    -------
+    float
+        arctan x in rad.
+
+    Examples
+    --------
+    >>> from parkproof.scalar import arctan
+    >>> round(arctan(1.0), 4)
+    0.7854
+    """
+    return math.atan(x)
+
+
+@scalar
+def cosine(x: float) -> float:
+    """Cosine of an angle in radians, as a shifted sine.
+
+    Parameters
+    ----------
+    x : float
+        Angle in rad.
+
+    Returns
+    -------
+    float
+        cos x.
+
+    Examples
+    --------
+    >>> from parkproof.scalar import cosine
+    >>> cosine(0.0)
+    1.0
+    """
+    return sine(x + 0.5 * math.pi)
+
+
+@scalar
+def sign(x: float) -> float:
+    """Sign of a number, with sign(0) = 0: one selection of the set-valued sign.
+
+    Parameters
+    ----------
+    x : float
+        Any number.
+
+    Returns
+    -------
+    float
+        -1.0, 0.0 or 1.0.
+
+    Examples
+    --------
+    >>> from parkproof.scalar import sign
+    >>> sign(-3.0), sign(0.0)
+    (-1.0, 0.0)
+    """
+    return 1.0 if x > 0.0 else (-1.0 if x < 0.0 else 0.0)
+
+
+@scalar
+def clip(x: float, bound: float) -> float:
+    """Nearest number in [−bound, bound].
+
+    Parameters
+    ----------
+    x : float
+        Any number.
+    bound : float
+        Half width of the interval, not negative.
+
+    Returns
+    -------
+    float
+        x, or the end of the interval beyond which it lies.
+
+    Examples
+    --------
+    >>> from parkproof.scalar import clip
+    >>> clip(-3.0, 2.0)
+    -2.0
+    """
+    return max(-bound, min(bound, x))

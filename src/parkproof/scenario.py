@@ -1,0 +1,297 @@
+"""A scenario: everything that one run needs, validated once.
+
+A scenario file is this module's structures written as TOML (`parkproof.scenario_file` reads it).
+"""
+
+import math
+from typing import Literal
+
+import msgspec
+from msgspec.structs import force_setattr
+
+from parkproof.bounds import Bounds, Limits
+from parkproof.errors import InputError
+from parkproof.laws.controller import RobotKind
+from parkproof.laws.gains import Gains, Switching
+from parkproof.laws.parameters import Discretisation
+from parkproof.model.chained import ChainedState, body_inputs
+from parkproof.model.truth import Truth
+from parkproof.validate import finite, positive
+
+MAX_SAMPLES = 20_000_000
+"""Most control periods in a run; more would not fit in memory."""
+
+
+class Weights(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Weights of the Lyapunov functions: they enter the conditions (15)-(19), never the law.
+
+    Parameters
+    ----------
+    k : two floats
+        k1, k2 > 0 of Step 2.
+    k_step3 : float
+        k̃2 > 0 of Step 3.
+
+    Raises
+    ------
+    InputError
+        If a weight is not positive.
+
+    Examples
+    --------
+    >>> Weights().k
+    (2.4, 17.5)
+    """
+
+    k: tuple[float, float] = (2.4, 17.5)
+    k_step3: float = 2.6
+
+    def __post_init__(self) -> None:
+        force_setattr(self, "k", tuple(positive("k", value) for value in self.k))
+        force_setattr(self, "k_step3", positive("k_step3", self.k_step3))
+
+
+class Start(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Where a run starts: a chained state, or a pose with a velocity.
+
+    Parameters
+    ----------
+    state : five floats, optional
+        x0, x1, x2, u0, u1.
+    pose : three floats, optional
+        x_m, y_m and θ (rad, any heading) in the goal's image frame.
+    velocity : two floats
+        v, and the turn rate ω of the heading in the image; goes with ``pose``.
+
+    Raises
+    ------
+    InputError
+        If both or neither of state and pose are given, or a number is not finite.
+
+    Examples
+    --------
+    >>> Start(pose=(-1.0, 0.2, 3.0)).outside_chart
+    True
+    """
+
+    state: tuple[float, float, float, float, float] | None = None
+    pose: tuple[float, float, float] | None = None
+    velocity: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        if (self.state is None) == (self.pose is None):
+            raise InputError(
+                "[start] needs either state = [x0, x1, x2, u0, u1] or pose = [x, y, theta] "
+                "(with velocity = [v, omega]), and not both"
+            )
+        if self.state is not None and self.velocity is not None:
+            raise InputError("[start] velocity goes with pose; state already holds u0 and u1")
+        for name in ("state", "pose", "velocity"):
+            if (values := getattr(self, name)) is not None:
+                force_setattr(self, name, tuple(finite(f"start.{name}", v) for v in values))
+
+    @property
+    def chained(self) -> ChainedState | None:
+        """The start as a chained state, if it was given as one."""
+        return None if self.state is None else ChainedState(*self.state)
+
+    @property
+    def image_pose(self) -> tuple[float, float, float]:
+        """x_m, y_m and θ in (−π, π]."""
+        if self.pose is not None:
+            x, y, theta = self.pose
+            return x, y, math.remainder(theta, 2.0 * math.pi)
+        x0, x1, x2, _, _ = self.state  # type: ignore[misc]  # one of both is given
+        return x0, x1, math.atan(x2)
+
+    @property
+    def image_velocity(self) -> tuple[float, float]:
+        """V and ω."""
+        if self.state is not None:
+            _, _, x2, u0, u1 = self.state
+            return body_inputs(u0, u1, x2)
+        return self.velocity or (0.0, 0.0)
+
+    @property
+    def outside_chart(self) -> bool:
+        """Whether the heading lies beyond ±90°."""
+        return abs(self.image_pose[2]) >= 0.5 * math.pi
+
+
+class RunSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How long and how finely a run is carried out.
+
+    Parameters
+    ----------
+    duration : float
+        Length of the run in s.
+    control_period : float
+        Period h of the controller in s.
+    discretisation : "explicit" or "implicit"
+        Form of the law in sampled time.
+    record_period : float, optional
+        Time between rows of the trajectory file in s; default a row each control period. Metrics
+        use every sample.
+    plant_step : float, optional
+        Largest integration step of the plant in s; default 1 ms, and 0.2 ms with square waves.
+
+    Raises
+    ------
+    InputError
+        If a time is not positive, or the run has less than one or more than 20 million samples.
+
+    Examples
+    --------
+    >>> RunSettings(duration=35.0, control_period=1e-3).samples
+    35000
+    """
+
+    duration: float = 35.0
+    control_period: float = 1e-3
+    discretisation: Discretisation = "explicit"
+    record_period: float | None = None
+    plant_step: float | None = None
+
+    def __post_init__(self) -> None:
+        duration = positive("duration", self.duration, example=35.0)
+        period = positive("control_period", self.control_period, example=0.001)
+        force_setattr(self, "duration", duration)
+        force_setattr(self, "control_period", period)
+        if period > duration:
+            raise InputError(
+                f"control_period = {period:g}: longer than duration = {duration:g}; "
+                "write a shorter period, for example 0.001"
+            )
+        if duration / period > MAX_SAMPLES:
+            raise InputError(
+                f"duration / control_period = {duration / period:.3g} samples: at most "
+                f"{MAX_SAMPLES:,}; write a longer control_period or a shorter duration"
+            )
+        if self.record_period is not None:
+            force_setattr(self, "record_period", positive("record_period", self.record_period))
+        if self.plant_step is not None:
+            step = positive("plant_step", self.plant_step, example=0.001)
+            force_setattr(self, "plant_step", step)
+            if duration / step > 10 * MAX_SAMPLES:
+                raise InputError(
+                    f"duration / plant_step = {duration / step:.3g} integration steps: at most "
+                    f"{10 * MAX_SAMPLES:,}; write a longer plant_step"
+                )
+
+    @property
+    def samples(self) -> int:
+        """Number of control periods in the run."""
+        return max(1, round(self.duration / self.control_period))
+
+
+class Robot(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What the robot takes as commands.
+
+    Parameters
+    ----------
+    kind : "chained", "torque" or "velocity"
+        "chained": τ1, τ2 act on u0, u1 as in (6), the paper's idealisation. "torque": the robot
+        takes accelerations of v and ω; the quadratic terms (D7) are fed forward. "velocity": it
+        takes v and ω, and u0, u1 live in the controller.
+
+    Examples
+    --------
+    >>> Robot().kind
+    'chained'
+    """
+
+    kind: RobotKind = "chained"
+
+
+class Scenario(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Everything that one run needs.
+
+    Parameters
+    ----------
+    law : "published" or "corrected"
+        The law.
+    start : Start
+        Where the run starts.
+    bounds : Bounds
+        What the controller may know.
+    truth : Truth
+        What is true.
+    gains, weights, switching, run, robot, limits
+        See `Gains`, `Weights`, `Switching`, `RunSettings`, `Robot`, `Limits`.
+    title : str
+        For figures and reports.
+
+    Raises
+    ------
+    InputError
+        If parts contradict each other: truth outside its bounds, an exponent that the published law
+        cannot use, a heading that it cannot turn, bounds that a velocity-commanded robot does not
+        have.
+
+    Examples
+    --------
+    >>> scenario = Scenario(law="corrected", start=Start(pose=(-2.0, 0.3, 0.1)))
+    >>> scenario.gains.l
+    (2.0, 4.2, 21.0)
+    """
+
+    title: str = ""
+    law: Literal["published", "corrected"]
+    bounds: Bounds = Bounds()
+    gains: Gains = Gains()
+    weights: Weights | None = None
+    truth: Truth = Truth()
+    start: Start
+    switching: Switching = Switching()
+    run: RunSettings = RunSettings()
+    robot: Robot = Robot()
+    limits: Limits = Limits()
+
+    def __post_init__(self) -> None:
+        if self.law == "published":
+            self._check_published()
+        if self.robot.kind == "velocity":
+            self._check_velocity_commanded()
+        self.truth.check(self.bounds)
+        view = self.limits.view
+        if view is not None:
+            x, y, _ = self.start.image_pose
+            if not (view[0] <= x <= view[1] and view[2] <= y <= view[3]):
+                raise InputError(
+                    f"start ({x:g}, {y:g}) is outside limits.view = {list(view)}; "
+                    "start inside the view or widen it"
+                )
+
+    def _check_published(self) -> None:
+        for name, q in zip(("q0", "q1", "q2"), self.gains.exponents, strict=True):
+            if not q.is_odd_over_odd:
+                raise InputError(
+                    f"{name} = {q}: the published law needs a ratio of odd integers, or its powers "
+                    'have no real value for negative states; write for example "9/11", or use '
+                    'law = "corrected", which takes signed powers'
+                )
+        if self.gains.runup_speed != 1.0 or self.gains.direction == "backward":
+            raise InputError(
+                "the published law drives at u0 = 1: leave runup_speed and direction out of "
+                '[gains], or use law = "corrected"'
+            )
+        if self.start.outside_chart:
+            degrees = math.degrees(self.start.image_pose[2])
+            raise InputError(
+                f"start heading {degrees:.1f}°: the published law exists for |θ| < 90° only; "
+                'use law = "corrected", which turns first'
+            )
+
+    def _check_velocity_commanded(self) -> None:
+        bounds, truth = self.bounds, self.truth
+        known = [bounds.gamma_of(0), bounds.gamma_of(1)]
+        if known != [(1.0, 1.0)] * 2 or max(bounds.disturbance_of(0), bounds.disturbance_of(1)) > 0:
+            raise InputError(
+                "a velocity-commanded robot keeps u0 and u1 in the controller, so gamma = 1 and "
+                "disturbance = 0 hold exactly: leave both out of [bounds]"
+            )
+        if truth.gamma != Truth().gamma or truth.disturbance != Truth().disturbance:
+            raise InputError(
+                "a velocity-commanded robot keeps u0 and u1 in the controller, so gamma = 1 and "
+                "disturbance = 0 hold exactly: leave both out of [truth]"
+            )
