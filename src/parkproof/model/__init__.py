@@ -1,1 +1,1 @@
-
+"""What is true: robot, camera, signals."""
