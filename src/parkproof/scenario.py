@@ -16,6 +16,7 @@ from parkproof.laws.gains import Gains, Switching
 from parkproof.laws.parameters import Discretisation
 from parkproof.model.chained import ChainedState, body_inputs
 from parkproof.model.truth import Truth
+from parkproof.model.unicycle import wrap_angle
 from parkproof.validate import finite, positive
 
 MAX_SAMPLES = 20_000_000
@@ -100,7 +101,7 @@ class Start(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         """x_m, y_m and θ in (−π, π]."""
         if self.pose is not None:
             x, y, theta = self.pose
-            return x, y, math.remainder(theta, 2.0 * math.pi)
+            return x, y, wrap_angle(theta)
         x0, x1, x2, _, _ = self.state  # type: ignore[misc]  # one of both is given
         return x0, x1, math.atan(x2)
 

@@ -5,7 +5,6 @@ from typing import Literal, NamedTuple
 
 from parkproof.bounds import Bounds
 from parkproof.errors import InputError
-from parkproof.laws.corrected import better_direction
 from parkproof.laws.gains import Gains, Switching
 from parkproof.laws.inputs import inputs, predicted
 from parkproof.laws.parameters import Discretisation, LawParameters, law_parameters
@@ -17,6 +16,7 @@ from parkproof.model.chained import (
     chained_inputs,
     image_acceleration_for,
 )
+from parkproof.model.unicycle import wrap_angle
 from parkproof.validate import finite
 
 RobotKind = Literal["chained", "torque", "velocity"]
@@ -112,7 +112,7 @@ def measured_pose(
     >>> measured_pose(0.0, 1.0, 0.5, 2.0).x2
     inf
     """
-    theta = math.remainder(theta, 2.0 * math.pi)
+    theta = wrap_angle(theta)
     if abs(theta) >= 0.5 * math.pi:
         x2 = math.copysign(math.inf, theta)
         return Measurement(t, x, y, x2, math.nan, math.nan, theta, v, omega, beta)
@@ -295,15 +295,15 @@ class Controller:
         return m._replace(v=first, omega=second)
 
     def _advance_step(self, m: Measurement) -> None:
-        p, law = self.parameters, self._law
-        state = (m.x0, m.x1, m.x2, m.u0)
-        if self._step is None:
-            self._step, self._way = law.start(*state, p)
-        if self._step == 0.0:
-            if turned(m.theta, m.v, m.omega, p):
-                self._step, self._way = 1.0, better_direction(*state, p)
+        p, law, before = self.parameters, self._law, self._step
+        if before is None:
+            self._step = law.begin(m.x2, p)
+        elif before == 0.0:
+            self._step = 1.0 if turned(m.theta, m.v, m.omega, p) else 0.0
         else:
-            self._step, self._way = law.switch(self._step, self._way, m.t, *state, m.u1, p)
+            self._step = law.switch(before, self._way, m.t, m.x0, m.x1, m.x2, m.u0, m.u1, p)
+        if self._step == 1.0 and before != 1.0:
+            self._way = law.direction(m.x0, m.x1, m.x2, m.u0, p)
 
     def _command(self, m: Measurement, tau1: float, tau2: float) -> Command:
         turning = self._step == 0.0

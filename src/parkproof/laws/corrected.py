@@ -84,31 +84,28 @@ def better_direction(x0: float, x1: float, x2: float, u0: float, p: LawParameter
 
 
 @scalar
-def corrected_start(
-    x0: float, x1: float, x2: float, u0: float, p: LawParameters
-) -> tuple[float, float]:
-    """Step and direction of travel with which the corrected law begins.
+def corrected_begin(x2: float, p: LawParameters) -> float:
+    """Step with which the corrected law begins: a turn if the heading lies outside the chart.
 
     Parameters
     ----------
-    x0, x1, x2, u0 : float
-        Start; x2 infinite or huge where the heading lies outside the chart.
+    x2 : float
+        tan θ at the start, infinite beyond ±90°.
     p : LawParameters
         Gains and bounds.
 
     Returns
     -------
-    tuple of 2 floats
-        Step (0 turn, 1 run-up) and direction.
+    float
+        0 (turn) or 1 (run-up).
 
     Examples
     --------
     >>> from parkproof.laws import default_parameters
-    >>> corrected_start(-3.0, 0.5, 0.0, 0.0, default_parameters())
-    (1.0, 1.0)
+    >>> corrected_begin(0.0, default_parameters()), corrected_begin(99.0, default_parameters())
+    (1.0, 0.0)
     """
-    step = 0.0 if abs(x2) > p.x2_enter else 1.0
-    return step, better_direction(x0, x1, x2, u0, p)
+    return 0.0 if abs(x2) > p.x2_enter else 1.0
 
 
 @scalar
@@ -122,8 +119,8 @@ def corrected_switch(
     u0: float,
     u1: float,
     p: LawParameters,
-) -> tuple[float, float]:
-    """Step and direction in force from this sample on.
+) -> float:
+    """Step in force from this sample on.
 
     Parameters
     ----------
@@ -139,14 +136,14 @@ def corrected_switch(
 
     Returns
     -------
-    tuple of 2 floats
-        Step (0 where the heading leaves the chart) and direction.
+    float
+        Step; 0 where the heading leaves the chart, and 1 where x1 left its tolerance.
 
     Examples
     --------
     >>> from parkproof.laws import default_parameters
     >>> p = default_parameters()
-    >>> corrected_switch(4.0, 1.0, 9.0, 0.0, 0.5, 0.0, 0.0, 0.0, p)[0]
+    >>> corrected_switch(4.0, 1.0, 9.0, 0.0, 0.5, 0.0, 0.0, 0.0, p)
     1.0
     """
     error1 = abs(u0 - way * p.runup_speed) - p.band1
@@ -164,8 +161,7 @@ def corrected_switch(
         )
     )
     lost = step >= 3.0 and abs(x1) > p.x1_leave
-    following = 0.0 if abs(x2) > p.x2_leave else (1.0 if lost else onward)
-    return following, better_direction(x0, x1, x2, u0, p) if lost else way
+    return 0.0 if abs(x2) > p.x2_leave else (1.0 if lost else onward)
 
 
 @scalar

@@ -16,29 +16,53 @@ from parkproof.scalar import scalar
 
 
 @scalar
-def published_start(
-    x0: float, x1: float, x2: float, u0: float, p: LawParameters
-) -> tuple[float, float]:
-    """Step and direction of travel with which the published law begins: Step 1, forward.
+def published_begin(x2: float, p: LawParameters) -> float:
+    """Step with which the published law begins: Step 1.
 
     Parameters
     ----------
-    x0, x1, x2, u0 : float
-        Start.
+    x2 : float
+        tan θ at the start.
     p : LawParameters
         Gains and bounds.
 
     Returns
     -------
-    tuple of 2 floats
-        Step and direction.
+    float
+        1.
 
     Examples
     --------
-    >>> published_start(0.0, 0.0, 0.0, 0.0, None)
-    (1.0, 1.0)
+    >>> from parkproof.laws import default_parameters
+    >>> published_begin(0.0, default_parameters())
+    1.0
     """
-    return 1.0, 1.0
+    return 1.0
+
+
+@scalar
+def published_direction(x0: float, x1: float, x2: float, u0: float, p: LawParameters) -> float:
+    """Direction of travel of Steps 1 and 2: always forward.
+
+    Parameters
+    ----------
+    x0, x1, x2, u0 : float
+        State at the start of Step 1.
+    p : LawParameters
+        Gains and bounds.
+
+    Returns
+    -------
+    float
+        1.
+
+    Examples
+    --------
+    >>> from parkproof.laws import default_parameters
+    >>> published_direction(3.0, 0.5, 0.0, 0.0, default_parameters())
+    1.0
+    """
+    return 1.0
 
 
 @scalar
@@ -52,7 +76,7 @@ def published_switch(
     u0: float,
     u1: float,
     p: LawParameters,
-) -> tuple[float, float]:
+) -> float:
     """Step in force from this sample on: each ends when settled, or at its given time.
 
     Parameters
@@ -68,25 +92,24 @@ def published_switch(
 
     Returns
     -------
-    tuple of 2 floats
-        Step and direction.
+    float
+        Step.
 
     Examples
     --------
     >>> from parkproof.laws import default_parameters
     >>> published_switch(1.0, 1.0, 0.5, 0.0, 0.3, 0.0, 1.0, 0.0, default_parameters())
-    (2.0, 1.0)
+    2.0
     """
     done1 = (t >= p.to_step2) if p.to_step2 >= 0.0 else (abs(u0 - 1.0) - p.band1 <= p.tolerance1)
     error2 = max(abs(x1), abs(x2), abs(u1) - p.band2)
     done2 = (t >= p.to_step3) if p.to_step3 >= 0.0 else (error2 <= p.tolerance2)
     done3 = max(abs(x0), abs(u0) - p.band1) <= p.tolerance3
-    following = (
+    return (
         2.0
         if step == 1.0 and done1
         else (3.0 if step == 2.0 and done2 else (4.0 if step == 3.0 and done3 else step))
     )
-    return following, way
 
 
 @scalar

@@ -9,7 +9,7 @@ class Outcome(Enum):
     Examples
     --------
     >>> Outcome.PARKED.value, Outcome("parked").sentence
-    ('parked', 'The robot reached the goal and was inside its tolerance to the end of the run.')
+    ('parked', 'The robot reached the goal and stayed there to the end of the run.')
     """
 
     PARKED = "parked"
@@ -28,7 +28,7 @@ class Outcome(Enum):
 
 
 _SENTENCES = {
-    Outcome.PARKED: "The robot reached the goal and was inside its tolerance to the end of the run.",
+    Outcome.PARKED: "The robot reached the goal and stayed there to the end of the run.",
     Outcome.MISSED: (
         "The law went through all its steps, but at the end the robot was not at the goal."
     ),

@@ -1,0 +1,186 @@
+"""Many runs of one scenario: starts and truths differ, everything else is shared."""
+
+import math
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from parkproof.errors import InputError
+from parkproof.laws.parameters import law_parameters
+from parkproof.model.truth import channel
+from parkproof.scenario import Scenario
+from parkproof.simulate.lanes.buffer import BLOCK, RESULTS, Clock, LaneLimits
+from parkproof.simulate.metrics import RESIDUAL_WINDOW
+from parkproof.simulate.outcome import Outcome
+from parkproof.simulate.run import HOLD, plant_steps
+
+Floats = NDArray[np.float64]
+
+
+def _shared(scenario: Scenario) -> tuple[Any, ...]:
+    """What all trials of an ensemble must have in common."""
+    return (
+        scenario.law, scenario.bounds, scenario.gains, scenario.switching, scenario.run,
+        scenario.robot, scenario.limits,
+    )  # fmt: skip
+
+
+def _lanes(scenarios: Sequence[Scenario]) -> tuple[Floats, ...]:
+    """Arrays of starts and truths, the last axis padded to whole blocks with the last trial."""
+    channels = [[channel(i, s.truth, s.bounds) for i in range(2)] for s in scenarios]
+    most = max(1, *(len(x) for two in channels for c in two for x in (c.gamma_tones, c.phi_tones)))
+    n = -(-len(scenarios) // BLOCK) * BLOCK
+    state, in_chart, alpha = np.empty((5, n)), np.empty(n), np.empty((2, n))
+    mean, tones, adversary = np.empty((4, n)), np.zeros((4, most, 4, n)), np.empty((2, n))
+    for j in range(n):
+        k = min(j, len(scenarios) - 1)
+        scenario, (one, two) = scenarios[k], channels[k]
+        start = scenario.start
+        state[:, j] = start.chained or (*start.image_pose, *start.image_velocity)
+        in_chart[j] = 1.0 if start.chained else 0.0
+        alpha[:, j] = scenario.truth.alpha
+        mean[:, j] = one.gamma_mean, two.gamma_mean, one.phi_mean, two.phi_mean
+        adversary[:, j] = one.phi_adversary, two.phi_adversary
+        signals = (one.gamma_tones, two.gamma_tones, one.phi_tones, two.phi_tones)
+        for i, signal in enumerate(signals):
+            for m, tone in enumerate(signal):
+                tones[i, m, :, j] = tone
+    return state, in_chart, alpha, mean, tones, adversary
+
+
+def simulate_ensemble(scenarios: Sequence[Scenario], *, threads: int = 1) -> dict[str, Any]:
+    """Carry out many runs in compiled lanes.
+
+    Parameters
+    ----------
+    scenarios : sequence of Scenario
+        Trials of robots of kind "chained". They may differ in start and truth only.
+    threads : int
+        Number of threads; a trial's result does not depend on it.
+
+    Returns
+    -------
+    dict of str to array
+        A value a trial: ``outcome`` (`Outcome`), ``total`` and ``end0`` … ``end3`` (settling times
+        in s, NaN where there is none), ``returns``, ``residual`` (NaN where the run ended early),
+        ``peak_tau1``, ``peak_tau2``, ``rms_tau1``, ``rms_tau2``, ``total_variation_tau1``,
+        ``total_variation_tau2``, ``excursion``, ``path_length``, ``ended`` and the final state
+        ``x0`` … ``u1`` (or x, y, θ, v, ω where a trial ended turning).
+
+    Raises
+    ------
+    InputError
+        If there are no trials, or they differ in more than start and truth.
+
+    Examples
+    --------
+    >>> from parkproof.scenario import RunSettings, Start
+    >>> trials = [Scenario(law="corrected", start=Start(pose=(x, 0.1, 0.0)),
+    ...                    run=RunSettings(duration=12.0, control_period=0.01))
+    ...           for x in (-2.0, -1.0, 1.0)]
+    >>> [outcome.value for outcome in simulate_ensemble(trials)["outcome"]]
+    ['parked', 'parked', 'parked']
+    """
+    if not scenarios:
+        raise InputError("no trials: an ensemble needs at least one scenario; give some")
+    first = scenarios[0]
+    if any(_shared(s) != _shared(first) for s in scenarios[1:]):
+        raise InputError(
+            "the trials of an ensemble differ in more than start and truth: "
+            "run an ensemble for each law, gains, bounds and run settings"
+        )
+    if first.robot.kind != "chained":
+        raise InputError(
+            f'robot.kind = "{first.robot.kind}": lanes carry out robots of kind "chained" only; '
+            "use simulate() for this one"
+        )
+    from parkproof.simulate.lanes.kernel import kernel_of
+
+    kernel = kernel_of(first.law)
+    run, limits = first.run, first.limits
+    p = law_parameters(
+        bounds=first.bounds,
+        gains=first.gains,
+        switching=first.switching,
+        control_period=run.control_period,
+        discretisation=run.discretisation,
+    )
+    end = run.samples * run.control_period
+    clock = Clock(run.control_period, run.samples, plant_steps(first), end - RESIDUAL_WINDOW)
+    none = math.inf
+    lane_limits = LaneLimits(
+        *(limits.tau or (none, none)),
+        limits.speed or none,
+        limits.turn_rate or none,
+        *(limits.view or (-none, none, -none, none)),
+        1.0 if limits.saturate else 0.0,
+    )
+    arrays = _lanes(scenarios)
+    out = np.empty((len(RESULTS), arrays[0].shape[1]))
+
+    def block(begin: int) -> None:
+        lanes = slice(begin, begin + BLOCK)
+        parts = [np.ascontiguousarray(a[..., lanes]) for a in arrays]
+        rows = np.empty((len(RESULTS), BLOCK))
+        kernel(p, clock, lane_limits, *parts, rows)
+        out[:, lanes] = rows
+
+    with ThreadPoolExecutor(threads) as pool:
+        for _ in pool.map(block, range(0, out.shape[1], BLOCK)):
+            pass
+    rows = {name: row[: len(scenarios)] for name, row in zip(RESULTS, out, strict=True)}
+    return _results(rows, first, clock)
+
+
+_ENDS = (
+    None,
+    Outcome.DIVERGED,
+    Outcome.OUT_OF_VIEW,
+    Outcome.LEFT_CHART,
+    Outcome.INPUT_LIMIT,
+    Outcome.SPEED_LIMIT,
+)
+
+
+def _results(rows: dict[str, Floats], scenario: Scenario, clock: Clock) -> dict[str, Any]:
+    """Outcomes and metrics from the kernel's rows."""
+    _, across, along = scenario.switching.tolerance
+    factor = scenario.switching.hysteresis
+    finished = rows["step"] == HOLD
+    inside = (
+        (rows["held0"] <= factor * along)
+        & (rows["held1"] <= factor * across)
+        & (rows["held2"] <= factor * across)
+    )
+    outcome = np.array(
+        [
+            _ENDS[int(code)]
+            or ((Outcome.PARKED if kept else Outcome.MISSED) if done else Outcome.STILL_MOVING)
+            for code, done, kept in zip(rows["ended"], finished, inside, strict=True)
+        ],
+        dtype=object,
+    )
+    early = rows["ended"] > 0
+    elapsed = np.where(early, rows["ended_at"], clock.samples * clock.period)
+    samples = np.round(elapsed / clock.period) + 1
+    ends = {f"end{i}": np.where(rows[f"end{i}"] < 0, np.nan, rows[f"end{i}"]) for i in range(4)}
+    residual = np.maximum.reduce([rows["residual0"], rows["residual1"], rows["residual2"]])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        variation = {i: rows[f"variation{i}"] / elapsed for i in (1, 2)}
+    return {
+        "outcome": outcome,
+        "total": np.where(outcome == Outcome.PARKED, ends["end3"], np.nan),
+        **ends,
+        "returns": rows["returns"].astype(int),
+        "ended": elapsed,
+        "residual": np.where(early, np.nan, residual),
+        **{f"peak_tau{i}": rows[f"peak{i}"] for i in (1, 2)},
+        **{f"rms_tau{i}": np.sqrt(rows[f"square{i}"] / samples) for i in (1, 2)},
+        **{f"total_variation_tau{i}": variation[i] for i in (1, 2)},
+        "excursion": np.sqrt(rows["excursion2"]),
+        "path_length": rows["path"],
+        **{name: rows[f"s{i}"] for i, name in enumerate(("x0", "x1", "x2", "u0", "u1"))},
+    }

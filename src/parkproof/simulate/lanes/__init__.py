@@ -1,0 +1,1 @@
+"""Compiled lanes: one buffer, its plant, its metrics, and a kernel for each law."""

@@ -1,0 +1,64 @@
+"""The buffer of a block of lanes, and the numbers that all of its trials share."""
+
+from typing import NamedTuple
+
+BLOCK = 64
+"""Lanes side by side: enough to fill vector registers, few enough for the first-level cache."""
+
+DIVERGED, OUT_OF_VIEW, LEFT_CHART, INPUT_LIMIT, SPEED_LIMIT = 1.0, 2.0, 3.0, 4.0, 5.0
+"""Codes of the row ``ended``; 0 where a trial ran to its end."""
+
+ROWS = (
+    # results
+    "step", "way", "returns", "ended", "ended_at", "end0", "end1", "end2", "end3",
+    "s0", "s1", "s2", "s3", "s4",
+    "residual0", "residual1", "residual2", "held0", "held1", "held2",
+    "peak1", "peak2", "square1", "square2", "variation1", "variation2",
+    "excursion2", "path", "x2_max",
+    # working values
+    "chart", "tau1", "tau2", "old0", "old1", "step_before",
+    "gamma1", "gamma2", "phi1", "phi2",
+    "gamma1_mid", "gamma2_mid", "phi1_mid", "phi2_mid",
+    "gamma1_end", "gamma2_end", "phi1_end", "phi2_end",
+)  # fmt: skip
+"""Rows of a block's buffer. One buffer, so that the compiler sees that rows never overlap."""
+
+ROW = {name: index for index, name in enumerate(ROWS)}
+RESULTS = ROWS[: ROW["chart"]]
+"""Rows that a kernel returns: ``end_i`` is when Step i last ended (−1 if not), ``held_i`` the
+largest error since holding began (last 2 s at most), ``excursion2`` the excursion squared."""
+
+(
+    STEP, WAY, RETURNS, ENDED, ENDED_AT, END0, END1, END2, END3,
+    S0, S1, S2, S3, S4,
+    RESIDUAL0, RESIDUAL1, RESIDUAL2, HELD0, HELD1, HELD2,
+    PEAK1, PEAK2, SQUARE1, SQUARE2, VARIATION1, VARIATION2,
+    EXCURSION2, PATH, X2_MAX,
+    CHART, TAU1, TAU2, OLD0, OLD1, STEP_BEFORE,
+    GAMMA1, GAMMA2, PHI1, PHI2,
+    GAMMA1_MID, GAMMA2_MID, PHI1_MID, PHI2_MID,
+    GAMMA1_END, GAMMA2_END, PHI1_END, PHI2_END,
+) = range(len(ROWS))  # fmt: skip
+
+
+class Clock(NamedTuple):
+    """Times of an ensemble."""
+
+    period: float
+    samples: int
+    plant_steps: int
+    residual_from: float
+
+
+class LaneLimits(NamedTuple):
+    """Limits as plain numbers, infinite where there are none."""
+
+    tau1: float
+    tau2: float
+    speed: float
+    turn_rate: float
+    x_min: float
+    x_max: float
+    y_min: float
+    y_max: float
+    saturate: float

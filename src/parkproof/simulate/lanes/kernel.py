@@ -1,0 +1,190 @@
+"""The same scalar functions compiled for ensembles: 64 trials side by side, the loop inside.
+
+The kernel repeats the reference run of `parkproof.simulate.run` for robots of kind "chained" under
+the paper's camera. Law, switching, inputs and measurements are the functions used there; only the
+order of the loops differs. A lane's result does not depend on its place in a batch.
+"""
+
+import math
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import numba
+import numpy as np
+
+from parkproof.laws.inputs import inputs, predicted
+from parkproof.laws.table import law_named
+from parkproof.laws.turn import turn_nominal, turned
+from parkproof.model.unicycle import wrap_angle
+from parkproof.scalar import clip
+from parkproof.simulate.lanes.buffer import (
+    BLOCK,
+    CHART,
+    END0,
+    ENDED,
+    ENDED_AT,
+    GAMMA1,
+    OLD0,
+    OLD1,
+    ROWS,
+    S0,
+    S1,
+    S2,
+    S3,
+    S4,
+    STEP,
+    STEP_BEFORE,
+    TAU1,
+    TAU2,
+    WAY,
+)
+from parkproof.simulate.lanes.metrics import count, measure, watch
+from parkproof.simulate.lanes.plant import advance_all, change_coordinates, fill_signals
+from parkproof.simulate.polynomials import OPTIONS, register
+
+
+@cache
+def kernel_of(law_name: str) -> Callable[..., Any]:
+    """Compile the kernel of a law, once a process.
+
+    Parameters
+    ----------
+    law_name : str
+        "published" or "corrected".
+
+    Returns
+    -------
+    callable
+        ``kernel(p, clock, limits, state, in_chart, alpha, mean, tones, adversary, out)``: carries
+        out the trials of one block of `BLOCK` lanes, reading arrays whose last axis is the lane
+        and writing the rows `RESULTS` into ``out``. It releases the interpreter lock.
+
+    Examples
+    --------
+    >>> callable(kernel_of("corrected"))
+    True
+    """
+    register()
+    law = law_named(law_name)
+    law_begin, law_direction, law_switch = law.begin, law.direction, law.switch
+    law_nominal, turns = law.nominal, law.turns
+    compiled = numba.njit(nogil=True, **OPTIONS)
+    inlined = numba.njit(forceinline=True, **OPTIONS)
+
+    @compiled
+    def begin(b, p):
+        for j in range(BLOCK):
+            if b[CHART, j] == 0.0:
+                b[S2, j] = wrap_angle(b[S2, j])
+                inside = abs(b[S2, j]) < 0.5 * math.pi
+                x2 = math.tan(b[S2, j]) if inside else math.copysign(math.inf, b[S2, j])
+            else:
+                x2 = b[S2, j]
+            b[STEP, j] = law_begin(x2, p)
+            change_coordinates(b, j)
+            b[STEP_BEFORE, j] = b[STEP, j]
+            b[WAY, j] = law_direction(b[S0, j], b[S1, j], b[S2, j], b[S3, j], p)
+
+    @inlined
+    def switch_lane(b, j, t, p):
+        x0, x1, x2, u0, u1 = b[S0, j], b[S1, j], b[S2, j], b[S3, j], b[S4, j]
+        b[STEP, j] = law_switch(b[STEP, j], b[WAY, j], t, x0, x1, x2, u0, u1, p)
+
+    @inlined
+    def turn_lane(b, j, p):
+        b[S2, j] = wrap_angle(b[S2, j])
+        if turned(b[S2, j], b[S3, j], b[S4, j], p):
+            b[STEP, j] = 1.0
+            change_coordinates(b, j)
+
+    @compiled
+    def switch_all(b, t, p):
+        if count(b, CHART, 0.0) == 0:
+            for j in range(BLOCK):
+                switch_lane(b, j, t, p)
+        else:
+            for j in range(BLOCK):
+                if b[CHART, j] == 0.0:
+                    turn_lane(b, j, p)
+                else:
+                    switch_lane(b, j, t, p)
+        if not turns:
+            return 0
+        turning = count(b, STEP, 0.0)
+        fresh = 0
+        for j in range(BLOCK):
+            fresh += 1 if b[STEP, j] == 1.0 and b[STEP_BEFORE, j] != 1.0 else 0
+        if fresh > 0:
+            for j in range(BLOCK):
+                if b[STEP, j] == 1.0 and b[STEP_BEFORE, j] != 1.0:
+                    b[WAY, j] = law_direction(b[S0, j], b[S1, j], b[S2, j], b[S3, j], p)
+        if turning > 0:
+            for j in range(BLOCK):
+                change_coordinates(b, j)
+        return turning
+
+    @inlined
+    def chained_inputs_of_lane(b, j, p):
+        x0, x1, x2, u0, u1 = b[S0, j], b[S1, j], b[S2, j], b[S3, j], b[S4, j]
+        y0, y1, y2 = predicted(x0, x1, x2, u0, u1, p)
+        n1, s1, n2, s2 = law_nominal(b[STEP, j], b[WAY, j], y0, y1, y2, u0, u1, p)
+        return inputs(n1, s1, n2, s2, u0, u1, p)
+
+    @inlined
+    def turn_inputs_of_lane(b, j, p):
+        v, omega = b[S3, j], b[S4, j]
+        n1, s1, n2, s2 = turn_nominal(b[S2, j] + p.lookahead * omega, v, omega, p)
+        return inputs(n1, s1, n2, s2, v, omega, p)
+
+    @compiled
+    def command_all(b, turning, p, limits):
+        for j in range(BLOCK):
+            if turning > 0 and b[CHART, j] == 0.0:
+                tau1, tau2 = turn_inputs_of_lane(b, j, p)
+            else:
+                tau1, tau2 = chained_inputs_of_lane(b, j, p)
+            b[OLD0, j], b[OLD1, j] = b[TAU1, j], b[TAU2, j]
+            b[TAU1, j] = clip(tau1, limits.tau1) if limits.saturate > 0.0 else tau1
+            b[TAU2, j] = clip(tau2, limits.tau2) if limits.saturate > 0.0 else tau2
+
+    @compiled
+    def command_chart(b, p, limits):
+        for j in range(BLOCK):
+            tau1, tau2 = chained_inputs_of_lane(b, j, p)
+            b[OLD0, j], b[OLD1, j] = b[TAU1, j], b[TAU2, j]
+            b[TAU1, j] = clip(tau1, limits.tau1) if limits.saturate > 0.0 else tau1
+            b[TAU2, j] = clip(tau2, limits.tau2) if limits.saturate > 0.0 else tau2
+
+    @compiled
+    def kernel(p, clock, limits, state, in_chart, alpha, mean, tones, adversary, out):
+        b = np.zeros((len(ROWS), BLOCK))
+        for j in range(BLOCK):
+            for i in range(5):
+                b[S0 + i, j] = state[i, j]
+            for i in range(4):
+                b[END0 + i, j] = -1.0
+            b[CHART, j] = in_chart[j]
+            b[ENDED_AT, j] = -1.0
+        begin(b, p)
+        fill_signals(b, mean, tones, 0.0, GAMMA1)
+        for k in range(clock.samples + 1):
+            t = k * clock.period
+            watch(b, t, limits, turns)
+            turning = switch_all(b, t, p) if k > 0 else count(b, STEP, 0.0)
+            if turning == 0:
+                command_chart(b, p, limits)
+            else:
+                command_all(b, turning, p, limits)
+            measure(b, t, k == 0, clock.residual_from, limits)
+            if count(b, ENDED, 0.0) == 0:
+                break
+            if k < clock.samples:
+                advance_all(
+                    b, turning, alpha, mean, tones, adversary, t, clock.period, clock.plant_steps
+                )
+        for i in range(out.shape[0]):
+            for j in range(BLOCK):
+                out[i, j] = b[i, j]
+
+    return kernel

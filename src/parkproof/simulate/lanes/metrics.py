@@ -1,0 +1,127 @@
+"""Metrics and ends of a block of lanes.
+
+Compiled code: arrays ``b`` are the buffer of `parkproof.simulate.lanes.buffer`.
+"""
+
+import math
+
+import numba
+
+from parkproof.simulate.lanes.buffer import (
+    BLOCK,
+    CHART,
+    DIVERGED,
+    END0,
+    ENDED,
+    ENDED_AT,
+    EXCURSION2,
+    HELD0,
+    HELD1,
+    HELD2,
+    INPUT_LIMIT,
+    LEFT_CHART,
+    OLD0,
+    OLD1,
+    OUT_OF_VIEW,
+    PEAK1,
+    PEAK2,
+    RESIDUAL0,
+    RESIDUAL1,
+    RESIDUAL2,
+    RETURNS,
+    S0,
+    S1,
+    S2,
+    S3,
+    S4,
+    SPEED_LIMIT,
+    SQUARE1,
+    SQUARE2,
+    STEP,
+    STEP_BEFORE,
+    TAU1,
+    TAU2,
+    VARIATION1,
+    VARIATION2,
+    X2_MAX,
+)
+from parkproof.simulate.polynomials import OPTIONS
+
+compiled = numba.njit(nogil=True, **OPTIONS)
+inlined = numba.njit(forceinline=True, **OPTIONS)
+
+
+@inlined
+def count(b, row, value):
+    found = 0
+    for j in range(BLOCK):
+        found += 1 if b[row, j] == value else 0
+    return found
+
+
+@compiled
+def watch(b, t, limits, turns):
+    """End lanes that cannot go on from this measurement."""
+    for j in range(BLOCK):
+        x2 = b[S2, j] if b[CHART, j] == 1.0 else 0.0
+        square = 1.0 + x2 * x2
+        speed = abs(b[S3, j]) * math.sqrt(square)
+        rate = abs(b[S4, j]) / square
+        x, y = b[S0, j], b[S1, j]
+        sound = max(abs(x), abs(y), speed, rate) < 1e6
+        seen = x >= limits.x_min and x <= limits.x_max and y >= limits.y_min and y <= limits.y_max
+        inside = turns or abs(x2) < 1e6
+        code = (
+            DIVERGED
+            if not sound
+            else (OUT_OF_VIEW if not seen else (LEFT_CHART if not inside else 0.0))
+        )
+        ends = b[ENDED, j] == 0.0 and code > 0.0
+        b[ENDED, j] = code if ends else b[ENDED, j]
+        b[ENDED_AT, j] = t if ends else b[ENDED_AT, j]
+
+
+@compiled
+def measure(b, t, first, residual_from, limits):
+    """Update metrics of the lanes that are still running; then end those beyond their limits."""
+    for j in range(BLOCK):
+        live = b[ENDED, j] == 0.0
+        step, before = b[STEP, j], b[STEP_BEFORE, j]
+        onward, back = live and step > before, live and step < before
+        for i in range(4):
+            ended = onward and before == i
+            b[END0 + i, j] = t if ended else (-1.0 if back and i >= step else b[END0 + i, j])
+        b[RETURNS, j] += 1.0 if back else 0.0
+        b[STEP_BEFORE, j] = step if live else before
+    for j in range(BLOCK):
+        live = b[ENDED, j] == 0.0
+        x, y = b[S0, j], b[S1, j]
+        in_chart = b[CHART, j] == 1.0
+        x2 = b[S2, j] if in_chart else 0.0
+        tau1, tau2 = b[TAU1, j], b[TAU2, j]
+        late = live and t >= residual_from
+        holding = late and b[STEP, j] == 4.0
+        e0, e1, e2 = abs(x), abs(y), abs(x2)
+        b[RESIDUAL0, j] = max(b[RESIDUAL0, j], e0) if late else b[RESIDUAL0, j]
+        b[RESIDUAL1, j] = max(b[RESIDUAL1, j], e1) if late else b[RESIDUAL1, j]
+        b[RESIDUAL2, j] = max(b[RESIDUAL2, j], e2) if late else b[RESIDUAL2, j]
+        b[HELD0, j] = max(b[HELD0, j], e0) if holding else 0.0
+        b[HELD1, j] = max(b[HELD1, j], e1) if holding else 0.0
+        b[HELD2, j] = max(b[HELD2, j], e2) if holding else 0.0
+        b[PEAK1, j] = max(b[PEAK1, j], abs(tau1)) if live else b[PEAK1, j]
+        b[PEAK2, j] = max(b[PEAK2, j], abs(tau2)) if live else b[PEAK2, j]
+        b[SQUARE1, j] += tau1 * tau1 if live else 0.0
+        b[SQUARE2, j] += tau2 * tau2 if live else 0.0
+        counted = live and not first
+        b[VARIATION1, j] += abs(tau1 - b[OLD0, j]) if counted else 0.0
+        b[VARIATION2, j] += abs(tau2 - b[OLD1, j]) if counted else 0.0
+        b[EXCURSION2, j] = max(b[EXCURSION2, j], x * x + y * y) if live else b[EXCURSION2, j]
+        b[X2_MAX, j] = max(b[X2_MAX, j], e2) if live else b[X2_MAX, j]
+        square = 1.0 + x2 * x2
+        fast = abs(b[S3, j]) * math.sqrt(square) > limits.speed
+        fast = fast or abs(b[S4, j]) / square > limits.turn_rate
+        strong = abs(tau1) > limits.tau1 or abs(tau2) > limits.tau2
+        code = INPUT_LIMIT if strong else (SPEED_LIMIT if fast else 0.0)
+        ends = live and code > 0.0
+        b[ENDED, j] = code if ends else b[ENDED, j]
+        b[ENDED_AT, j] = t if ends else b[ENDED_AT, j]

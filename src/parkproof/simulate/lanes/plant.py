@@ -1,0 +1,109 @@
+"""The plant of a block of lanes: signals, coordinates, and one control period of motion.
+
+Compiled code: arrays ``b`` are the buffer of `parkproof.simulate.lanes.buffer`.
+"""
+
+import math
+
+import numba
+
+from parkproof.model.chained import body_inputs, chained_inputs
+from parkproof.model.signals import tone_value
+from parkproof.scalar import sign
+from parkproof.simulate.lanes.buffer import (
+    BLOCK,
+    CHART,
+    ENDED,
+    GAMMA1,
+    GAMMA1_END,
+    GAMMA1_MID,
+    PATH,
+    S0,
+    S1,
+    S2,
+    S3,
+    S4,
+    STEP,
+    TAU1,
+    TAU2,
+)
+from parkproof.simulate.polynomials import OPTIONS, register
+from parkproof.simulate.steps import chained_step, turning_step
+
+register()
+
+compiled = numba.njit(nogil=True, **OPTIONS)
+inlined = numba.njit(forceinline=True, **OPTIONS)
+
+
+@compiled
+def fill_signals(b, mean, tones, t, row):
+    for i in range(4):
+        for j in range(BLOCK):
+            b[row + i, j] = mean[i, j]
+        for m in range(tones.shape[1]):
+            for j in range(BLOCK):
+                b[row + i, j] += tone_value(
+                    tones[i, m, 0, j],
+                    tones[i, m, 1, j],
+                    tones[i, m, 2, j],
+                    tones[i, m, 3, j],
+                    t,
+                )
+
+
+@inlined
+def change_coordinates(b, j):
+    if b[STEP, j] >= 1.0 and b[CHART, j] == 0.0:
+        x2 = math.tan(b[S2, j])
+        u0, u1 = chained_inputs(b[S3, j], b[S4, j], x2)
+        b[S2, j], b[S3, j], b[S4, j], b[CHART, j] = x2, u0, u1, 1.0
+    elif b[STEP, j] == 0.0 and b[CHART, j] == 1.0:
+        x2 = b[S2, j]
+        v, omega = body_inputs(b[S3, j], b[S4, j], x2)
+        b[S2, j], b[S3, j], b[S4, j], b[CHART, j] = math.atan(x2), v, omega, 0.0
+
+
+@inlined
+def rates(b, j, row, adversary1, adversary2):
+    tau1, tau2 = b[TAU1, j], b[TAU2, j]
+    phi1 = -adversary1 * sign(tau1) if adversary1 > 0.0 else b[row + 2, j]
+    phi2 = -adversary2 * sign(tau2) if adversary2 > 0.0 else b[row + 3, j]
+    return b[row, j] * tau1 + phi1, b[row + 1, j] * tau2 + phi2
+
+
+@inlined
+def advance_lane(b, j, alpha, adversary, h, in_chart):
+    a1, a2 = rates(b, j, GAMMA1, adversary[0, j], adversary[1, j])
+    m1, m2 = rates(b, j, GAMMA1_MID, adversary[0, j], adversary[1, j])
+    e1, e2 = rates(b, j, GAMMA1_END, adversary[0, j], adversary[1, j])
+    s0, s1, s2, s3, s4 = b[S0, j], b[S1, j], b[S2, j], b[S3, j], b[S4, j]
+    g0, g1 = alpha[0, j], alpha[1, j]
+    if in_chart:
+        n0, n1, n2, n3, n4 = chained_step(s0, s1, s2, s3, s4, g0, g1, a1, m1, e1, a2, m2, e2, h)
+    else:
+        n0, n1, n2, n3, n4 = turning_step(s0, s1, s2, s3, s4, g0, g1, a1, m1, e1, a2, m2, e2, h)
+    live = b[ENDED, j] == 0.0
+    moved = math.sqrt((n0 - s0) * (n0 - s0) + (n1 - s1) * (n1 - s1))
+    b[PATH, j] += moved if live else 0.0
+    b[S0, j] = n0 if live else s0
+    b[S1, j] = n1 if live else s1
+    b[S2, j] = n2 if live else s2
+    b[S3, j] = n3 if live else s3
+    b[S4, j] = n4 if live else s4
+    for i in range(4):
+        b[GAMMA1 + i, j] = b[GAMMA1_END + i, j]
+
+
+@compiled
+def advance_all(b, turning, alpha, mean, tones, adversary, t, h, steps):
+    part = h / steps
+    for i in range(steps):
+        fill_signals(b, mean, tones, t + i * part + 0.5 * part, GAMMA1_MID)
+        fill_signals(b, mean, tones, t + i * part + part, GAMMA1_END)
+        if turning == 0:
+            for j in range(BLOCK):
+                advance_lane(b, j, alpha, adversary, part, True)
+        else:
+            for j in range(BLOCK):
+                advance_lane(b, j, alpha, adversary, part, b[CHART, j] == 1.0)
