@@ -66,8 +66,12 @@ class Bounds(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     def __post_init__(self) -> None:
         for name in ("alpha", "gamma"):
             intervals = _two_intervals(name, getattr(self, name))
-            for low, _ in intervals:
-                positive(f"{name}'s lower bound", low)
+            for low, high in intervals:
+                if low <= 0.0:
+                    raise InputError(
+                        f"{name} = [{low:g}, {high:g}]: the lower bound must be greater than 0; "
+                        f"write for example {name} = [0.5, 1.5]"
+                    )
             force_setattr(self, name, intervals)
         given = self.disturbance
         pair = tuple(given) if isinstance(given, tuple | list) else (given, given)

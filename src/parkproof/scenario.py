@@ -267,7 +267,7 @@ class Scenario(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         for name, q in zip(("q0", "q1", "q2"), self.gains.exponents, strict=True):
             if not q.is_odd_over_odd:
                 raise InputError(
-                    f"{name} = {q}: the published law needs a ratio of odd integers, or its powers "
+                    f"gains.{name} = {q}: the published law needs a ratio of odd integers, or its powers "
                     'have no real value for negative states; write for example "9/11", or use '
                     'law = "corrected", which takes signed powers'
                 )
@@ -288,11 +288,11 @@ class Scenario(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         known = [bounds.gamma_of(0), bounds.gamma_of(1)]
         if known != [(1.0, 1.0)] * 2 or max(bounds.disturbance_of(0), bounds.disturbance_of(1)) > 0:
             raise InputError(
-                "a velocity-commanded robot keeps u0 and u1 in the controller, so gamma = 1 and "
-                "disturbance = 0 hold exactly: leave both out of [bounds]"
+                'robot.kind = "velocity": the robot keeps u0 and u1 in the controller, so gamma = 1 '
+                "and disturbance = 0 hold exactly: leave both out of [bounds]"
             )
         if truth.gamma != Truth().gamma or truth.disturbance != Truth().disturbance:
             raise InputError(
-                "a velocity-commanded robot keeps u0 and u1 in the controller, so gamma = 1 and "
-                "disturbance = 0 hold exactly: leave both out of [truth]"
+                'robot.kind = "velocity": the robot keeps u0 and u1 in the controller, so gamma = 1 '
+                "and disturbance = 0 hold exactly: leave both out of [truth]"
             )

@@ -1,6 +1,7 @@
 """Checks of single numbers, shared by everything that takes parameters from a user."""
 
 import math
+import re
 from collections.abc import Sequence
 from fractions import Fraction
 
@@ -141,6 +142,14 @@ def increasing(name: str, values: Sequence[float]) -> tuple[float, float]:
     return low, high
 
 
+_NUMBER_OR_RATIO = re.compile(r"\s*[+-]?\d{1,25}(\.\d{0,25})?([eE][+-]?\d{1,3})?(/\d{1,25})?\s*")
+"""What may be given to Fraction: without limits on its length, "1e99999999" would take for ever."""
+
+
+def _no_ratio(name: str, value: object) -> InputError:
+    return InputError(f'{name} = {value!r}: must be a number or a ratio; write for example "9/11"')
+
+
 class Ratio(float):
     """A float that remembers the ratio of integers it was given as.
 
@@ -165,15 +174,16 @@ class Ratio(float):
 
     def __new__(cls, value: str | float, name: str = "exponent") -> "Ratio":
         """Read the ratio; ``name`` is what the user calls it."""
+        if isinstance(value, str) and not _NUMBER_OR_RATIO.fullmatch(value):
+            raise _no_ratio(name, value)
         try:
             number = float(Fraction(value)) if isinstance(value, str) else finite(name, value)
-        except (ValueError, ZeroDivisionError) as error:
-            raise InputError(
-                f'{name} = {value!r}: must be a number or a ratio; write for example "9/11"'
-            ) from error
-        self = super().__new__(cls, number)
+        except (ZeroDivisionError, OverflowError) as error:
+            raise _no_ratio(name, value) from error
         near = Fraction(number).limit_denominator(MAX_DENOMINATOR)
-        self.fraction = near if abs(float(near) - number) <= 1e-12 else None
+        is_near = abs(float(near) - number) <= 1e-12
+        self = super().__new__(cls, float(near) if is_near else number)
+        self.fraction = near if is_near else None
         return self
 
     def __str__(self) -> str:

@@ -41,7 +41,7 @@ class Truth(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     outside_bounds: bool = False
 
     def __post_init__(self) -> None:
-        force_setattr(self, "alpha", tuple(positive("truth.alpha", value) for value in self.alpha))
+        force_setattr(self, "alpha", tuple(positive("alpha", value) for value in self.alpha))
 
     def check(self, bounds: Bounds) -> None:
         """Check that the truth lies inside the bounds, unless it is declared to lie outside.
@@ -72,7 +72,7 @@ class Truth(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
                 )
             check_range(f"truth.gamma[{i}]", self.gamma[i], *bounds.gamma_of(i))
             phi = bounds.disturbance_of(i)
-            check_range(f"truth.disturbance[{i}]", self.disturbance[i], -phi, phi)
+            check_range(f"truth.disturbance[{i}]", self.disturbance[i], 0.0 - phi, phi)
 
 
 class Channel(msgspec.Struct, frozen=True):
@@ -129,12 +129,11 @@ def channel(i: int, truth: Truth, bounds: Bounds) -> Channel:
     gamma_mean, gamma_tones = (
         (bounds.gamma_of(i)[0], ()) if isinstance(gamma, Adversary) else gamma.mean_and_tones
     )
-    adversarial = isinstance(phi, Adversary)
-    phi_mean, phi_tones = (0.0, ()) if adversarial else phi.mean_and_tones
+    phi_mean, phi_tones = (0.0, ()) if isinstance(phi, Adversary) else phi.mean_and_tones
     return Channel(
         gamma_mean=finite("gamma", gamma_mean),
         gamma_tones=gamma_tones,
         phi_mean=finite("disturbance", phi_mean),
         phi_tones=phi_tones,
-        phi_adversary=bounds.disturbance_of(i) if adversarial else 0.0,
+        phi_adversary=bounds.disturbance_of(i) if isinstance(phi, Adversary) else 0.0,
     )

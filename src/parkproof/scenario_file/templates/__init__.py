@@ -1,0 +1,46 @@
+"""Scenarios to start from: TOML files with every key explained, each of which runs as it is."""
+
+from parkproof.errors import InputError
+from parkproof.scenario_file.keys import nearest
+
+TEMPLATES = {
+    "paper": "Section 4 of the paper: its start, gains, bounds and published law",
+    "corrected": "the same with the corrected law in its implicit, chattering-free form",
+    "adversary": "the same start against the worst gains and disturbances that the bounds allow",
+    "velocity-robot": "a robot that takes speed and turn rate, steered from a 30 Hz camera",
+    "torque-robot": "a robot that takes accelerations and starts facing away from the goal",
+    "noise": "seeded noise and square waves as motor gains and disturbances",
+}
+"""Kinds of scenario files, each with a line on what it shows."""
+
+
+def template(kind: str) -> str:
+    """Give a commented scenario file that runs as it is.
+
+    Parameters
+    ----------
+    kind : str
+        One of `TEMPLATES`.
+
+    Returns
+    -------
+    str
+        TOML.
+
+    Raises
+    ------
+    InputError
+        If there is no such kind.
+
+    Examples
+    --------
+    >>> print(template("paper").splitlines()[0])
+    # The simulation of Section 4 of the paper, with its published law.
+    """
+    from importlib import resources
+
+    if kind not in TEMPLATES:
+        near = nearest(kind, TEMPLATES)
+        meant = f'did you mean "{near}"? ' if near is not None else ""
+        raise InputError(f'kind "{kind}": unknown; {meant}the kinds are {", ".join(TEMPLATES)}')
+    return resources.files(__package__).joinpath(f"{kind}.toml").read_text(encoding="utf-8")
