@@ -227,7 +227,8 @@ BAD = [
     ('[bounds]\nalpha = [0.5, "a"]', "alpha[1]: expected a number or a list of 2 numbers, got a s"),
     ("[bounds]\nalpha = [[0.5, 1.5], 1]", "[bounds] alpha: give an interval for both channels, or"),
     ("[bounds]\nalpha = [[0.5, 1.5], [2, 1]]", "[bounds] alpha[1] = [2.0, 1.0]: the bounds are c"),
-    ("[bounds]\ngamma = [0, 2]", "0.0"),
+    ("[bounds]\ngamma = [0, 2]", "[bounds] gamma = [0, 2]: the lower bound must be greater than 0"),
+    ('[gains]\nq0 = "1e400"', "[gains] q0"),
     ("[bounds]\ndisturbance = -1", "[bounds] disturbance = -1.0: must not be negative; write dist"),
     ("[bounds]\ndisturbance = [1, nan]", "[bounds] disturbance = nan: must be a finite number"),
     ('[gains]\nq0 = "5/3"', '[gains] q0 = 5/3: must lie in (0, 1); write for example q0 = "1/3"'),
@@ -290,8 +291,8 @@ def test_a_bad_key_or_value_is_named_with_its_place(tmp_path: Path, text: str, w
 
 
 BAD_STARTS = [
-    ("[start]\n", "[start] needs either state = [x0, x1, x2, u0, u1] or pose = [x, y, theta]"),
-    ("[start]\npose = [0, 0, 0]\nstate = [0, 0, 0, 0, 0]\n", "[start] needs either state"),
+    ("[start]\n", "[start] needs just one of state = [x0, x1, x2, u0, u1], pose = [x, y, theta]"),
+    ("[start]\npose = [0, 0, 0]\nstate = [0, 0, 0, 0, 0]\n", "[start] needs just one of state"),
     ("[start]\nstate = [0, 0, 0, nan, 0]\n", "[start] state = nan: must be a finite number"),
     ("[start]\nstate = [0, 0, 0, 0]\n", "[start] state: expected a list of 5 numbers, got a list"),
     ("start = 5\n", "start: expected a table, got the number 5"),

@@ -92,6 +92,7 @@ def sine(x: float) -> float:
     return math.sin(x)
 
 
+@scalar
 def arctan(x: float) -> float:
     """Angle in (−π/2, π/2) whose tangent is given.
 

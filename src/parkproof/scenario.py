@@ -15,6 +15,7 @@ from parkproof.laws.controller import RobotKind
 from parkproof.laws.gains import Gains, Switching
 from parkproof.laws.parameters import Discretisation
 from parkproof.model.chained import ChainedState, body_inputs
+from parkproof.model.overhead import Overhead, OverheadView
 from parkproof.model.truth import Truth
 from parkproof.model.unicycle import wrap_angle
 from parkproof.validate import finite, positive
@@ -61,33 +62,36 @@ class Start(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         x0, x1, x2, u0, u1.
     pose : three floats, optional
         x_m, y_m and θ (rad, any heading) in the goal's image frame.
+    floor_pose : three floats, optional
+        x, y and θ on the floor, for scenarios with a [camera].
     velocity : two floats
-        v, and the turn rate ω of the heading in the image; goes with ``pose``.
+        v, and the turn rate ω of the heading in the image; goes with a pose.
 
     Raises
     ------
     InputError
-        If both or neither of state and pose are given, or a number is not finite.
+        If not just one of state, pose and floor_pose is given, or a number is not finite.
 
     Examples
     --------
-    >>> Start(pose=(-1.0, 0.2, 3.0)).outside_chart
+    >>> Start(pose=(-1.0, 0.2, 3.0)).velocity is None
     True
     """
 
     state: tuple[float, float, float, float, float] | None = None
     pose: tuple[float, float, float] | None = None
+    floor_pose: tuple[float, float, float] | None = None
     velocity: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        if (self.state is None) == (self.pose is None):
+        if sum(given is not None for given in (self.state, self.pose, self.floor_pose)) != 1:
             raise InputError(
-                "[start] needs either state = [x0, x1, x2, u0, u1] or pose = [x, y, theta] "
-                "(with velocity = [v, omega]), and not both"
+                "[start] needs just one of state = [x0, x1, x2, u0, u1], pose = [x, y, theta] "
+                "and, with a [camera], floor_pose = [x, y, theta]"
             )
         if self.state is not None and self.velocity is not None:
-            raise InputError("[start] velocity goes with pose; state already holds u0 and u1")
-        for name in ("state", "pose", "velocity"):
+            raise InputError("[start] velocity goes with a pose; state already holds u0 and u1")
+        for name in ("state", "pose", "floor_pose", "velocity"):
             if (values := getattr(self, name)) is not None:
                 force_setattr(self, name, tuple(finite(f"start.{name}", v) for v in values))
 
@@ -95,28 +99,6 @@ class Start(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     def chained(self) -> ChainedState | None:
         """The start as a chained state, if it was given as one."""
         return None if self.state is None else ChainedState(*self.state)
-
-    @property
-    def image_pose(self) -> tuple[float, float, float]:
-        """x_m, y_m and θ in (−π, π]."""
-        if self.pose is not None:
-            x, y, theta = self.pose
-            return x, y, wrap_angle(theta)
-        x0, x1, x2, _, _ = self.state  # type: ignore[misc]  # one of both is given
-        return x0, x1, math.atan(x2)
-
-    @property
-    def image_velocity(self) -> tuple[float, float]:
-        """V and ω."""
-        if self.state is not None:
-            _, _, x2, u0, u1 = self.state
-            return body_inputs(u0, u1, x2)
-        return self.velocity or (0.0, 0.0)
-
-    @property
-    def outside_chart(self) -> bool:
-        """Whether the heading lies beyond ±90°."""
-        return abs(self.image_pose[2]) >= 0.5 * math.pi
 
 
 class RunSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -219,6 +201,8 @@ class Scenario(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         What is true.
     gains, weights, switching, run, robot, limits
         See `Gains`, `Weights`, `Switching`, `RunSettings`, `Robot`, `Limits`.
+    camera : PinholeTable or HomographyTable, optional
+        The true camera, if it is not the paper's with truth.alpha. Leaving its picture ends a run.
     title : str
         For figures and reports.
 
@@ -247,6 +231,7 @@ class Scenario(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     run: RunSettings = RunSettings()
     robot: Robot = Robot()
     limits: Limits = Limits()
+    camera: Overhead | None = None
 
     def __post_init__(self) -> None:
         if self.law == "published":
@@ -254,30 +239,77 @@ class Scenario(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         if self.robot.kind == "velocity":
             self._check_velocity_commanded()
         self.truth.check(self.bounds)
+        if self.camera is not None:
+            self._check_camera(self.camera.view)
+        elif self.start.floor_pose is not None:
+            raise InputError("start.floor_pose needs a [camera]; write start.pose without one")
+        x, y, _ = self.start_pose
         view = self.limits.view
-        if view is not None:
-            x, y, _ = self.start.image_pose
-            if not (view[0] <= x <= view[1] and view[2] <= y <= view[3]):
+        if view is not None and not (view[0] <= x <= view[1] and view[2] <= y <= view[3]):
+            raise InputError(
+                f"start ({x:g}, {y:g}) is outside limits.view = {list(view)}; "
+                "start inside the view or widen it"
+            )
+
+    @property
+    def start_pose(self) -> tuple[float, float, float]:
+        """x_m, y_m and θ in (−π, π] at the start, in the goal's image frame."""
+        start = self.start
+        if start.floor_pose is not None and self.camera is not None:
+            return self.camera.view.image_pose(start.floor_pose)
+        if start.pose is not None:
+            x, y, theta = start.pose
+            return x, y, wrap_angle(theta)
+        x0, x1, x2, _, _ = start.chained or ChainedState(0.0, 0.0, 0.0, 0.0, 0.0)
+        return x0, x1, math.atan(x2)
+
+    @property
+    def start_velocity(self) -> tuple[float, float]:
+        """Speed v, and turn rate of the heading in the image, at the start."""
+        chained = self.start.chained
+        if chained is not None:
+            return body_inputs(chained.u0, chained.u1, chained.x2)
+        return self.start.velocity or (0.0, 0.0)
+
+    def _check_camera(self, view: OverheadView) -> None:
+        if self.truth.alpha != (1.0, 1.0):
+            raise InputError(
+                "truth.alpha is the paper's camera and [camera] another: leave one of them out"
+            )
+        x, y, _ = self.start_pose
+        if not view.sees(x, y):
+            raise InputError(
+                f"start ({x:g}, {y:g}) in the goal's image frame is outside the picture; "
+                "start where the camera sees the robot"
+            )
+        if self.truth.outside_bounds:
+            return
+        seen = view.bounds
+        for i in range(2):
+            low, high = self.bounds.alpha_of(i)
+            if seen.a_min < low or seen.a_max > high:
                 raise InputError(
-                    f"start ({x:g}, {y:g}) is outside limits.view = {list(view)}; "
-                    "start inside the view or widen it"
+                    f"the camera's gain a ranges over [{seen.a_min:.3g}, {seen.a_max:.3g}] in its "
+                    f"picture, outside bounds.alpha = [{low:g}, {high:g}]; widen the bounds, or "
+                    "write outside_bounds = true under [truth]"
                 )
 
     def _check_published(self) -> None:
         for name, q in zip(("q0", "q1", "q2"), self.gains.exponents, strict=True):
             if not q.is_odd_over_odd:
                 raise InputError(
-                    f"gains.{name} = {q}: the published law needs a ratio of odd integers, or its powers "
-                    'have no real value for negative states; write for example "9/11", or use '
-                    'law = "corrected", which takes signed powers'
+                    f"gains.{name} = {q}: the published law needs a ratio of odd integers, or its "
+                    'powers have no real value for negative states; write for example "9/11", or '
+                    'use law = "corrected", which takes signed powers'
                 )
         if self.gains.runup_speed != 1.0 or self.gains.direction == "backward":
             raise InputError(
                 "the published law drives at u0 = 1: leave runup_speed and direction out of "
                 '[gains], or use law = "corrected"'
             )
-        if self.start.outside_chart:
-            degrees = math.degrees(self.start.image_pose[2])
+        heading = self.start_pose[2]
+        if abs(heading) >= 0.5 * math.pi:
+            degrees = math.degrees(heading)
             raise InputError(
                 f"start heading {degrees:.1f}°: the published law exists for |θ| < 90° only; "
                 'use law = "corrected", which turns first'
@@ -288,11 +320,11 @@ class Scenario(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         known = [bounds.gamma_of(0), bounds.gamma_of(1)]
         if known != [(1.0, 1.0)] * 2 or max(bounds.disturbance_of(0), bounds.disturbance_of(1)) > 0:
             raise InputError(
-                'robot.kind = "velocity": the robot keeps u0 and u1 in the controller, so gamma = 1 '
-                "and disturbance = 0 hold exactly: leave both out of [bounds]"
+                'robot.kind = "velocity": the robot keeps u0 and u1 in the controller, so '
+                "gamma = 1 and disturbance = 0 hold exactly: leave both out of [bounds]"
             )
         if truth.gamma != Truth().gamma or truth.disturbance != Truth().disturbance:
             raise InputError(
-                'robot.kind = "velocity": the robot keeps u0 and u1 in the controller, so gamma = 1 '
-                "and disturbance = 0 hold exactly: leave both out of [truth]"
+                'robot.kind = "velocity": the robot keeps u0 and u1 in the controller, so '
+                "gamma = 1 and disturbance = 0 hold exactly: leave both out of [truth]"
             )

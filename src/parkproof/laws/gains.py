@@ -143,7 +143,8 @@ class Switching(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     turn_tolerance : float
         The corrected law's turn ends when |θ|, |ω| and |v| are below it (rad, rad/s, speed).
     chart_limit : float
-        Heading in degrees, 0 < chart_limit < 90, beyond which the corrected law turns first.
+        Heading in degrees, 0 < chart_limit < 90, beyond which the corrected law turns first. Later
+        it turns again only where the heading has gone 19/20 of the way from there to 90°.
 
     Raises
     ------
@@ -203,6 +204,6 @@ class Switching(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
 
     @property
     def chart_tangents(self) -> tuple[float, float]:
-        """|x2| at the chart limit, and half-way from there to 90°, where the law turns again."""
-        leave = 0.5 * (self.chart_limit + 90.0)
+        """|x2| at the chart limit, and 19/20 of the way from there to 90°, where it turns again."""
+        leave = self.chart_limit + 0.95 * (90.0 - self.chart_limit)
         return math.tan(math.radians(self.chart_limit)), math.tan(math.radians(leave))

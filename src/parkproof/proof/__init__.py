@@ -1,1 +1,1 @@
-
+"""What can be proved of the gains: conditions, searches."""

@@ -1,1 +1,1 @@
-
+"""Figures, claims and pages."""

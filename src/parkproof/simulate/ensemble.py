@@ -38,9 +38,9 @@ def _lanes(scenarios: Sequence[Scenario]) -> tuple[Floats, ...]:
     for j in range(n):
         k = min(j, len(scenarios) - 1)
         scenario, (one, two) = scenarios[k], channels[k]
-        start = scenario.start
-        state[:, j] = start.chained or (*start.image_pose, *start.image_velocity)
-        in_chart[j] = 1.0 if start.chained else 0.0
+        chained = scenario.start.chained
+        state[:, j] = chained or (*scenario.start_pose, *scenario.start_velocity)
+        in_chart[j] = 1.0 if chained else 0.0
         alpha[:, j] = scenario.truth.alpha
         mean[:, j] = one.gamma_mean, two.gamma_mean, one.phi_mean, two.phi_mean
         adversary[:, j] = one.phi_adversary, two.phi_adversary
@@ -91,6 +91,11 @@ def simulate_ensemble(scenarios: Sequence[Scenario], *, threads: int = 1) -> dic
         raise InputError(
             "the trials of an ensemble differ in more than start and truth: "
             "run an ensemble for each law, gains, bounds and run settings"
+        )
+    if any(s.camera is not None for s in scenarios):
+        raise InputError(
+            "lanes carry out scenarios under the paper's camera only: leave out [camera], or use "
+            "simulate()"
         )
     if first.robot.kind != "chained":
         raise InputError(

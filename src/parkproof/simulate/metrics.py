@@ -37,7 +37,8 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     max_speed, max_turn_rate : float
         Largest |v| and |ω|.
     max_abs, max_abs_after_step2 : dict
-        Largest |state| by name, over the run and since Step 2 ended (null if it did not).
+        Largest |state| by name, over the run and since Step 2 ended (null if it did not); x2, u0
+        and u1 are taken outside Step 0 only.
     final : dict
         State at the end, by name.
     """
@@ -55,6 +56,12 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     max_abs: dict[str, float]
     max_abs_after_step2: dict[str, float] | None
     final: dict[str, float]
+
+
+def _where_defined(columns: Columns) -> dict[str, NDArray[np.float64]]:
+    """x2, u0 and u1 outside Step 0: there they grow without bound as the heading passes ±90°."""
+    charted = columns["step"] > 0
+    return {name: np.where(charted, columns[name], np.nan) for name in ("x2", "u0", "u1")}
 
 
 def _largest(values: NDArray[np.float64]) -> float:
@@ -83,11 +90,12 @@ def metrics_of(columns: Columns, *, end_of_step2: float | None) -> Metrics:
     >>> t = np.linspace(0.0, 4.0, 5)
     >>> zero = np.zeros(5)
     >>> names = ("x0", "x1", "x2", "u0", "u1", "v", "omega", "tau1", "tau2", "theta")
-    >>> columns = dict.fromkeys(names, zero) | {"t": t, "xm": 4.0 - t, "ym": zero}
+    >>> columns = dict.fromkeys(names, zero) | {"t": t, "xm": 4.0 - t, "ym": zero, "step": zero}
     >>> metrics_of(columns, end_of_step2=None).path_length
     4.0
     """
     t = columns["t"]
+    columns = {**columns, **_where_defined(columns)}
     recent = t >= t[-1] - RESIDUAL_WINDOW
     residual = {name: _largest(columns[name][recent]) for name in STATE_NAMES}
     tau = [columns["tau1"], columns["tau2"]]

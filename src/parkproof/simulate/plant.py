@@ -16,14 +16,12 @@ from parkproof.model.chained import (
     chained_rates,
     extension_rate,
 )
+from parkproof.model.overhead import ImageGains
 from parkproof.model.signals import signal_value
 from parkproof.model.truth import Channel
 from parkproof.scalar import sign
 
 State = tuple[float, float, float, float, float]
-ImageGains = Callable[[float, float, float, float], tuple[float, float, float]]
-"""Gains (g0, g1, β) of the image at (x, y) with heading (cos θ, sin θ): ẋ = g0 v cos θ,
-ẏ = g1 v sin θ, θ̇ = β ω."""
 
 
 def runge_kutta(rates: Callable[[float, State], State], t: float, state: State, h: float) -> State:

@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from parkproof.laws.controller import Command, Controller, Measurement
+from parkproof.model.overhead import ImageGains
 from parkproof.model.signals import Square
 from parkproof.model.truth import channel
 from parkproof.scenario import Scenario
 from parkproof.simulate.metrics import RESIDUAL_WINDOW, Metrics, metrics_of
 from parkproof.simulate.outcome import Outcome
-from parkproof.simulate.plant import ImageGains, Plant
+from parkproof.simulate.plant import Plant
 
 DIVERGED_AT = 1e6
 """A run ends as diverged when a state exceeds this."""
@@ -105,7 +106,7 @@ def image_gains_of(scenario: Scenario) -> ImageGains:
     Parameters
     ----------
     scenario : Scenario
-        Its truth holds α1, α2.
+        Its camera, or truth.alpha.
 
     Returns
     -------
@@ -118,6 +119,8 @@ def image_gains_of(scenario: Scenario) -> ImageGains:
     >>> image_gains_of(Scenario(law="corrected", start=Start(pose=(0, 0, 0))))(0, 0, 1, 0)
     (1.0, 1.0, 1.0)
     """
+    if scenario.camera is not None:
+        return scenario.camera.view.gains
     alpha1, alpha2 = scenario.truth.alpha
 
     def gains(x: float, y: float, c: float, s: float) -> tuple[float, float, float]:  # noqa: ARG001
@@ -165,11 +168,11 @@ def simulate(scenario: Scenario, *, progress: Callable[[float], None] | None = N
             channel(1, scenario.truth, scenario.bounds),
         ),
         image_gains=image_gains_of(scenario),
-        pose=scenario.start.image_pose,
-        velocity=scenario.start.image_velocity,
+        pose=scenario.start_pose,
+        velocity=scenario.start_velocity,
         chained=scenario.start.chained,
     )
-    controller.hold_velocity(*scenario.start.image_velocity)
+    controller.hold_velocity(*scenario.start_velocity)
     recorder = Recorder(scenario)
     h, n, steps = scenario.run.control_period, scenario.run.samples, plant_steps(scenario)
     report_every = max(1, n // 200)
@@ -208,6 +211,7 @@ class Recorder:
     def __init__(self, scenario: Scenario) -> None:
         self._scenario = scenario
         self._limits = scenario.limits
+        self._sees = None if scenario.camera is None else scenario.camera.view.sees
         self._columns = {name: array("d") for name in COLUMNS}
         self._appends = [self._columns[name].append for name in COLUMNS]
         self._last_step: int | None = None
@@ -222,6 +226,8 @@ class Recorder:
             return Outcome.DIVERGED
         view = self._limits.view
         if view is not None and not (view[0] <= m.x0 <= view[1] and view[2] <= m.x1 <= view[3]):
+            return Outcome.OUT_OF_VIEW
+        if self._sees is not None and not self._sees(m.x0, m.x1):
             return Outcome.OUT_OF_VIEW
         if not abs(m.x2) < DIVERGED_AT and self._scenario.law == "published":
             return Outcome.LEFT_CHART

@@ -8,6 +8,7 @@ TEMPLATES = {
     "corrected": "the same with the corrected law in its implicit, chattering-free form",
     "adversary": "the same start against the worst gains and disturbances that the bounds allow",
     "velocity-robot": "a robot that takes speed and turn rate, steered from a 30 Hz camera",
+    "tilted-camera": "the same under a tilted, rolled pinhole camera that nobody calibrated",
     "torque-robot": "a robot that takes accelerations and starts facing away from the goal",
     "noise": "seeded noise and square waves as motor gains and disturbances",
 }

@@ -1,0 +1,64 @@
+"""Single files that a command writes: whole or not there at all."""
+
+import contextlib
+import os
+import secrets
+from pathlib import Path
+
+from parkproof.cli.errors import why_not
+from parkproof.errors import InputError
+
+
+def write_file(path: Path, text: str, *, overwrite: bool) -> None:
+    """Write a text file that appears only when it is complete.
+
+    Parameters
+    ----------
+    path : Path
+        The file. Devices and pipes, such as /dev/stdout, are written to as they are.
+    text : str
+        What to write, as UTF-8.
+    overwrite : bool
+        Whether an existing file may be replaced.
+
+    Raises
+    ------
+    InputError
+        If the file exists and may not be replaced, or cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_file(Path(folder) / "gains.toml", "[gains]", overwrite=False)
+    ...     (Path(folder) / "gains.toml").read_text()
+    '[gains]'
+    """
+    try:
+        if path.is_dir():
+            raise InputError(f"{path} is a directory; name a file in it, {path / 'scenario.toml'}")
+        if path.exists() and not path.is_file():
+            path.write_text(text, encoding="utf-8")
+            return
+        if path.exists() and not overwrite:
+            raise InputError(
+                f"{path} already exists; write --overwrite to replace it, or choose another file"
+            )
+        _write_whole(path.resolve(), text)
+    except (OSError, RuntimeError) as error:  # RuntimeError: links that go round in a circle
+        cause = error.strerror if isinstance(error, OSError) else str(error)
+        number = error.errno if isinstance(error, OSError) else None
+        raise InputError(why_not(OSError(number, cause, str(path)))) from error
+
+
+def _write_whole(target: Path, text: str) -> None:
+    work = target.with_name(f".{target.name[:100]}.new-{secrets.token_hex(4)}")
+    try:
+        with work.open("x", encoding="utf-8") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        work.replace(target)
+    finally:
+        with contextlib.suppress(OSError):  # it has taken its name, or was never made
+            work.unlink()

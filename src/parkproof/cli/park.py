@@ -1,0 +1,112 @@
+"""``parkproof park``: carry out one run."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+if TYPE_CHECKING:
+    from parkproof.cli.console import Report
+    from parkproof.scenario import Scenario
+    from parkproof.simulate.run import Run
+
+
+def park(
+    scenario: Path,
+    /,
+    *,
+    out: Path | None = None,
+    settings: Annotated[list[str] | None, Parameter(name="--set")] = None,
+    as_json: Annotated[bool, Parameter(name="--json")] = False,
+    check: bool = False,
+    overwrite: bool = False,
+    no_pictures: bool = False,
+    quiet: bool = False,
+) -> int:
+    """Carry out the run that a scenario file describes.
+
+    Writes summary.json, trajectory.parquet, the resolved scenario.toml, Figures 3 to 8 as in the
+    paper, pictures of the path and of the whole run, and an animation. The exit status is 0 when
+    the run was carried out, however it ended.
+
+    Parameters
+    ----------
+    scenario : Path
+        The scenario file; "parkproof init" writes one.
+    out : Path, optional
+        Directory for the results; default runs/ and the scenario file's name.
+    settings : list of str, optional
+        Override a key of the file, as in run.duration=10 or gains.l[2]=25; may be repeated.
+    as_json : bool
+        Print the summary as JSON instead of a table.
+    check : bool
+        Exit with status 1 unless the robot parked.
+    overwrite : bool
+        Replace an earlier result in that directory.
+    no_pictures : bool
+        Write only the numbers: summary.json, trajectory.parquet and scenario.toml.
+    quiet : bool
+        Show neither progress nor the table.
+
+    Returns
+    -------
+    int
+        Exit status.
+
+    Examples
+    --------
+    >>> park(Path("scenario.toml"), settings=["run.duration=10"], check=True)  # doctest: +SKIP
+    0
+    """
+    from parkproof.cli.console import print_files, progress, stdout_console, write
+    from parkproof.output import output_directory
+    from parkproof.scenario_file import read_scenario
+
+    given = read_scenario(scenario, overrides=settings or ())
+    directory = Path("runs") / scenario.stem if out is None else out
+    with output_directory(directory, overwrite=overwrite) as work, progress(quiet=quiet) as report:
+        run = _carry_out(given, work, report)
+        if not no_pictures:
+            _draw(run, work, report)
+        names = sorted(path.name for path in work.iterdir())
+        text = (work / "summary.json").read_text(encoding="utf-8")
+    if as_json:
+        write(text)
+    elif not quiet:
+        from parkproof.cli.run_table import print_run
+
+        console = stdout_console()
+        print_run(console, run)
+        print_files(console, directory, names)
+    return 1 if check and run.outcome.value != "parked" else 0
+
+
+def _carry_out(scenario: "Scenario", directory: Path, report: "Report") -> "Run":
+    """Simulate, and write the run's numbers."""
+    from parkproof.results import write_summary, write_trajectory
+    from parkproof.scenario_file import to_toml
+    from parkproof.simulate.run import simulate
+
+    report("simulating", 0.0)
+    run = simulate(scenario, progress=lambda fraction: report("simulating", fraction))
+    report("writing", 0.0)
+    write_summary(run, directory / "summary.json")
+    write_trajectory(run, directory / "trajectory.parquet")
+    (directory / "scenario.toml").write_text(to_toml(scenario), encoding="utf-8")
+    return run
+
+
+def _draw(run: "Run", directory: Path, report: "Report") -> None:
+    """Draw all pictures of a run."""
+    from parkproof.report.animation import animation
+    from parkproof.report.figures import paper_figures, plot
+    from parkproof.report.path_picture import path_picture
+
+    report("drawing", 0.0)
+    paper_figures(run, directory)
+    report("drawing", 0.5)
+    for ending in ("png", "svg"):
+        path_picture(run, directory / f"path.{ending}")
+    plot(run, directory / "overview.png")
+    report("drawing the animation", 0.8)
+    animation(run, directory / "animation.gif")
