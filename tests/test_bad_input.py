@@ -150,12 +150,12 @@ def test_a_full_disk_leaves_nothing_of_the_result(scenario, capsys, monkeypatch)
 
 
 def test_running_out_of_memory_names_the_remedy(scenario, capsys, monkeypatch):
-    import parkproof.simulate.run
+    import parkproof.simulation.run
 
     def hungry(*_, **__):
         raise MemoryError
 
-    monkeypatch.setattr(parkproof.simulate.run, "simulate", hungry)
+    monkeypatch.setattr(parkproof.simulation.run, "simulate", hungry)
     refused(capsys, "park", scenario, saying="out of memory; write a longer control_period")
     assert files_in(".") == ["scenario.toml"]
 

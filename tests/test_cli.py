@@ -229,7 +229,7 @@ def test_the_citation_file_agrees_with_the_program():
     text = (Path(__file__).parents[1] / "CITATION.cff").read_text()
     assert f"\nversion: {__version__}\n" in text
     assert "doi: 10.5772/59307" in text
-    from parkproof.citation import citation
+    from parkproof.references import citation
 
     for line in text.splitlines():
         if line.strip().startswith("- family-names:"):
@@ -267,7 +267,7 @@ def test_the_version_is_printed(capsys):
 
 
 def test_help_loads_nothing_that_takes_long():
-    heavy = {"numpy", "numba", "matplotlib", "pyarrow", "PIL", "msgspec", "parkproof.simulate.run"}
+    heavy = {"numpy", "numba", "matplotlib", "pyarrow", "PIL", "msgspec", "parkproof.simulation.run"}
     code = (
         "import sys, parkproof; assert not {'numpy', 'rich', 'cyclopts'} & set(sys.modules)\n"
         "from parkproof.cli import main; main(['--help'])\n"

@@ -15,7 +15,7 @@ from parkproof.model.chained import ChainedState, body_inputs
 from parkproof.model.signals import Signal
 from parkproof.model.truth import Truth
 from parkproof.scenario import Robot, Scenario, Start
-from parkproof.simulate.run import simulate
+from parkproof.simulation.run import simulate
 
 VELOCITY_BOUNDS = Bounds(alpha=(0.5, 1.5))
 

@@ -12,8 +12,8 @@ from parkproof.laws.gains import Gains, Switching
 from parkproof.model.signals import Adversary, Constant, Sine
 from parkproof.model.truth import Truth
 from parkproof.scenario import Robot, Scenario, Start
-from parkproof.simulate.outcome import Outcome
-from parkproof.simulate.run import Run, simulate
+from parkproof.simulation.outcome import Outcome
+from parkproof.simulation.run import Run, simulate
 
 Make = Callable[..., Scenario]
 H = 2e-3

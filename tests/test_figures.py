@@ -24,7 +24,7 @@ from parkproof.report.style import (
     time_of_interest,
 )
 from parkproof.scenario import Robot, RunSettings, Scenario, Start
-from parkproof.simulate.run import Run, simulate
+from parkproof.simulation.run import Run, simulate
 
 LOOSE = Switching(tolerance=(0.1, 0.05, 0.05))
 

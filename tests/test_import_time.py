@@ -25,7 +25,7 @@ def test_importing_does_not_import_heavy_libraries(statement: str) -> None:
 
 
 def test_simulating_one_run_does_not_import_the_compiler() -> None:
-    assert not {"numba", "llvmlite"} & modules_after("import parkproof.simulate.run")
+    assert not {"numba", "llvmlite"} & modules_after("import parkproof.simulation.run")
 
 
 def test_laws_never_import_what_is_true() -> None:

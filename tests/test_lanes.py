@@ -15,10 +15,10 @@ from parkproof.laws.gains import Gains
 from parkproof.model.truth import Truth
 from parkproof.scalar import sine, spow
 from parkproof.scenario import Robot, RunSettings, Scenario, Start
-from parkproof.simulate.ensemble import simulate_ensemble
-from parkproof.simulate.outcome import Outcome
-from parkproof.simulate.polynomials import OPTIONS, register
-from parkproof.simulate.run import Run, simulate
+from parkproof.simulation.ensemble import simulate_ensemble
+from parkproof.simulation.outcome import Outcome
+from parkproof.simulation.polynomials import OPTIONS, register
+from parkproof.simulation.run import Run, simulate
 
 Make = Callable[..., Scenario]
 COARSE = {"control_period": 2e-3, "plant_step": 2e-3}

@@ -26,7 +26,7 @@ from parkproof.laws.published import published_nominal, published_switch
 from parkproof.laws.robustify import robust, robust_implicit
 from parkproof.laws.turn import turn_nominal
 from parkproof.scenario import Scenario
-from parkproof.simulate.run import simulate
+from parkproof.simulation.run import simulate
 
 # ---------------------------------------------------------------- section 3 of the paper, plainly
 

@@ -29,7 +29,7 @@ from parkproof.results import (
 )
 from parkproof.scenario import Scenario, Start
 from parkproof.scenario_file import scenario_from_dict
-from parkproof.simulate.run import COLUMNS, Run, simulate
+from parkproof.simulation.run import COLUMNS, Run, simulate
 
 SCENARIO = Callable[..., Scenario]
 LOOSE = Switching(tolerance=(0.1, 0.1, 0.1))

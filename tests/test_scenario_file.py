@@ -29,8 +29,8 @@ from parkproof.scenario_file import (
     template,
     to_toml,
 )
-from parkproof.simulate.outcome import Outcome
-from parkproof.simulate.run import simulate
+from parkproof.simulation.outcome import Outcome
+from parkproof.simulation.run import simulate
 
 START = 'law = "corrected"\n[start]\nstate = [-0.2, 0.3, -0.5, 5.6, 0.8]\n'
 SCHEMA = Path(__file__).parents[1] / "docs" / "scenario.schema.json"

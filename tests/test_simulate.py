@@ -17,10 +17,10 @@ from parkproof.model.chained import ChainedState
 from parkproof.model.signals import Adversary, Constant, Sine
 from parkproof.model.truth import Truth, channel
 from parkproof.scenario import Robot, Scenario, Start
-from parkproof.simulate.metrics import metrics_of
-from parkproof.simulate.outcome import Outcome
-from parkproof.simulate.plant import Plant, runge_kutta
-from parkproof.simulate.run import COLUMNS, Run, plant_steps, simulate
+from parkproof.simulation.metrics import metrics_of
+from parkproof.simulation.outcome import Outcome
+from parkproof.simulation.plant import Plant, runge_kutta
+from parkproof.simulation.run import COLUMNS, Run, plant_steps, simulate
 
 Make = Callable[..., Scenario]
 STATES = ("x0", "x1", "x2", "u0", "u1")

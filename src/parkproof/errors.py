@@ -1,6 +1,6 @@
 """The one exception that a user's input can cause.
 
-What happens during a run is not an error: see `parkproof.simulate.outcome`.
+What happens during a run is not an error: see `parkproof.simulation.outcome`.
 """
 
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from parkproof.simulate.run import Run
+    from parkproof.simulation.run import Run
 
 __all__ = [
     "UNITS",
@@ -135,14 +135,14 @@ def summary_of(run: "Run") -> dict[str, Any]:
     Examples
     --------
     >>> from parkproof.scenario import RunSettings, Start
-    >>> from parkproof.simulate.run import simulate
+    >>> from parkproof.simulation.run import simulate
     >>> run = simulate(Scenario(law="corrected", start=Start(pose=(-1.0, 0.1, 0.0)),
     ...                         run=RunSettings(duration=12.0, control_period=0.01)))
     >>> summary = summary_of(run)
     >>> summary["outcome"], summary["guarantee"]
     ('parked', 'inside the bounds: the truth stays inside what the controller knows')
     """
-    from parkproof.simulate.run import plant_steps
+    from parkproof.simulation.run import plant_steps
 
     scenario = run.scenario
     reason = _outside_guarantee(scenario)
@@ -240,7 +240,7 @@ def write_trajectory(run: "Run", path: Path | str) -> None:
     import pyarrow as pa
     from pyarrow import parquet
 
-    from parkproof.simulate.run import COLUMNS
+    from parkproof.simulation.run import COLUMNS
 
     scenario = run.scenario
     rows = _rows(run.trajectory["t"], scenario.run.record_period)
@@ -276,7 +276,7 @@ def read_trajectory(path: Path | str) -> "dict[str, NDArray[np.float64]]":
     Returns
     -------
     dict of str to array
-        One array a column; see `parkproof.simulate.run.COLUMNS`.
+        One array a column; see `parkproof.simulation.run.COLUMNS`.
 
     Raises
     ------
@@ -290,7 +290,7 @@ def read_trajectory(path: Path | str) -> "dict[str, NDArray[np.float64]]":
     import pyarrow as pa
     from pyarrow import parquet
 
-    from parkproof.simulate.run import COLUMNS
+    from parkproof.simulation.run import COLUMNS
 
     try:
         table = parquet.read_table(str(path))

@@ -16,8 +16,8 @@ def citation() -> int:
     ...
     0
     """
-    from parkproof.citation import citation as bibtex
     from parkproof.cli.console import write
+    from parkproof.references import citation as bibtex
 
     write(bibtex())
     return 0

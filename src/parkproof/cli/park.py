@@ -8,7 +8,7 @@ from cyclopts import Parameter
 if TYPE_CHECKING:
     from parkproof.cli.console import Report
     from parkproof.scenario import Scenario
-    from parkproof.simulate.run import Run
+    from parkproof.simulation.run import Run
 
 
 def park(
@@ -85,7 +85,7 @@ def _carry_out(scenario: "Scenario", directory: Path, report: "Report") -> "Run"
     """Simulate, and write the run's numbers."""
     from parkproof.results import write_summary, write_trajectory
     from parkproof.scenario_file import to_toml
-    from parkproof.simulate.run import simulate
+    from parkproof.simulation.run import simulate
 
     report("simulating", 0.0)
     run = simulate(scenario, progress=lambda fraction: report("simulating", fraction))

@@ -8,7 +8,7 @@ from parkproof.results import summary_of
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from parkproof.simulate.run import Run
+    from parkproof.simulation.run import Run
 
 _STEPS = {"0": "turn", "1": "run-up", "2": "approach", "3": "return"}
 

@@ -25,7 +25,7 @@ from parkproof.report.style import (
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from parkproof.simulate.run import Run
+    from parkproof.simulation.run import Run
 
 FINAL_PAUSE = 1500
 """Milliseconds for which the last frame stays."""

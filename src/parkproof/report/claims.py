@@ -5,10 +5,10 @@ from enum import Enum
 
 import numpy as np
 
+from parkproof.paper_example import BOUNDS, GAINS, START, SWITCH_OF_FIGURES
 from parkproof.proof.conditions import Condition
 from parkproof.report.evidence import Evidence, Redivergence
-from parkproof.section4 import BOUNDS, GAINS, START, SWITCH_OF_FIGURES
-from parkproof.simulate.run import Run
+from parkproof.simulation.run import Run
 
 
 class Verdict(Enum):
@@ -60,8 +60,8 @@ def largest_in_step3(run: Run) -> float:
 
     Examples
     --------
-    >>> from parkproof.section4 import section4
-    >>> from parkproof.simulate.run import simulate
+    >>> from parkproof.paper_example import section4
+    >>> from parkproof.simulation.run import simulate
     >>> largest_in_step3(simulate(section4(duration=0.1)))
     0.0
     """

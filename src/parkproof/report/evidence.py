@@ -11,6 +11,7 @@ from parkproof.laws.gains import Gains, Switching
 from parkproof.laws.parameters import Discretisation
 from parkproof.model.signals import Adversary, Constant
 from parkproof.model.truth import Truth
+from parkproof.paper_example import BOUNDS, GAINS, SIGNALS, SWITCH_OF_FIGURES, WEIGHTS, section4
 from parkproof.proof.conditions import Condition, Step2Gains, Step3Gains, check_conditions
 from parkproof.proof.lyapunov import settling_bound, step2_lyapunov
 from parkproof.proof.search import (
@@ -23,8 +24,7 @@ from parkproof.proof.search import (
 )
 from parkproof.proof.sphere import worst_ratio
 from parkproof.scenario import Start
-from parkproof.section4 import BOUNDS, GAINS, SIGNALS, SWITCH_OF_FIGURES, WEIGHTS, section4
-from parkproof.simulate.run import Run, simulate
+from parkproof.simulation.run import Run, simulate
 
 LawName = Literal["published", "corrected"]
 LAWS: tuple[LawName, ...] = ("published", "corrected")

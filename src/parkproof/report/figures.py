@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from parkproof.simulate.run import Run
+    from parkproof.simulation.run import Run
 
 FIGURES: dict[int, tuple[tuple[str, ...], str]] = {
     3: (("x0", "u0"), "The states x0 and u0"),

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from parkproof.paper_example import BOUNDS, GAINS, WEIGHTS
 from parkproof.proof.conditions import Step2Gains, check_conditions
 from parkproof.report.evidence import EXPONENTS, SMALL_GAINS, Evidence
 from parkproof.report.style import (
@@ -20,7 +21,6 @@ from parkproof.report.style import (
     save,
     thinned,
 )
-from parkproof.section4 import BOUNDS, GAINS, WEIGHTS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -49,7 +49,7 @@ def _redivergence(figure: "Figure", evidence: Evidence) -> None:
             axes.plot(seconds, size, color=LAW_COLOURS[law], ls=dash, label=label)
     axes.set(
         yscale="log",
-        ylim=(1e-9, 1e2),
+        ylim=(1e-12, 1e2),
         xlim=(0.0, 3.5),
         xlabel="Time since Step 3 began (s)",
         ylabel="Lateral error |x1|",
@@ -148,7 +148,7 @@ def _decay(axes: "Axes", evidence: Evidence) -> None:
         ylim=(-6.0, 120.0),
         xlabel="Exponent q1",
         ylabel="Largest V̇3/V3^α found (sampled)",
-        title="The same gains: V3 decreases with other weights",
+        title="V3 decreases with other weights",
     )
     axes.legend(loc="upper right")
 

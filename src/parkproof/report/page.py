@@ -10,7 +10,7 @@ from parkproof import __version__
 from parkproof.report.claims import Claim, Verdict
 from parkproof.report.evidence import Evidence
 from parkproof.report.findings import FINDINGS
-from parkproof.simulate.run import Run
+from parkproof.simulation.run import Run
 
 NAMES = {
     "published": "As published",
@@ -49,7 +49,8 @@ td.number { font-variant-numeric: tabular-nums; white-space: nowrap; }
 figure { margin: 0; } figcaption { font-size: 0.88rem; color: #444c56;
   padding: 0.2rem 0.4rem 0.8rem; }
 img { width: 100%; height: auto; border: 1px solid #e4e7ea; }
-.wide { max-width: 900px; }
+.pairs { display: grid; grid-template-columns: repeat(auto-fit, minmax(480px, 1fr));
+  gap: 0.8rem; }
 footer { margin-top: 3rem; color: #57606a; font-size: 0.85rem; }
 </style>
 </head>
@@ -83,7 +84,10 @@ def _image(path: Path, caption: str) -> str:
 
 
 def _number(value: float | None) -> str:
-    return "–" if value is None else f"{value:.3g}".replace("-", "−")
+    if value is None:
+        return "–"
+    text = f"{value:,.0f}" if abs(value) >= 1000.0 else f"{value:.3g}"
+    return text.replace("-", "−")
 
 
 def _runs(runs: Mapping[str, Run]) -> str:
@@ -140,20 +144,20 @@ def _figures(runs: Mapping[str, Run], directory: Path) -> str:
 
 
 def _findings(evidence: Evidence, directory: Path) -> str:
-    """The pictures of findings, and the convergence study's sentence."""
-    parts = ["<h2>What was found</h2>"]
+    """Pictures of the findings, and the convergence study in a sentence."""
+    images = []
     for name, (heading, _) in FINDINGS.items():
         image = _image(directory / "findings" / f"{name}.png", heading)
-        parts.append(f'<div class="wide">{image}</div>')
+        images.append(image)
     errors = "; ".join(
         f"{1e3 * step:g} ms: {error:.0e}" for step, error in evidence.plant_errors.items()
     )
-    parts.append(
+    return (
+        f'<h2>What was found</h2><div class="pairs">{"".join(images)}</div>'
         "<p>The plant is integrated by the classical Runge-Kutta method, in steps of at most 1 ms "
         "(0.2 ms where a signal jumps). Largest difference of any state in the first 3 s from a "
         f"run with steps of 0.125 ms: {errors}.</p>"
     )
-    return "".join(parts)
 
 
 def write_page(

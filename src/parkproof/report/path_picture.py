@@ -27,7 +27,7 @@ from parkproof.report.style import (
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from parkproof.simulate.run import Run
+    from parkproof.simulation.run import Run
 
 BEYOND = 3.0
 """A path that grows to this many times its size at the end of Step 2 is not shown whole."""

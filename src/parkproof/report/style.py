@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from parkproof.simulate.run import Run
+    from parkproof.simulation.run import Run
 
 Array = NDArray[np.float64]
 

@@ -1,13 +1,13 @@
 """Metrics and ends of a block of lanes.
 
-Compiled code: arrays ``b`` are the buffer of `parkproof.simulate.lanes.buffer`.
+Compiled code: arrays ``b`` are the buffer of `parkproof.simulation.lanes.buffer`.
 """
 
 import math
 
 import numba
 
-from parkproof.simulate.lanes.buffer import (
+from parkproof.simulation.lanes.buffer import (
     BLOCK,
     CHART,
     DIVERGED,
@@ -45,7 +45,7 @@ from parkproof.simulate.lanes.buffer import (
     VARIATION2,
     X2_MAX,
 )
-from parkproof.simulate.polynomials import OPTIONS
+from parkproof.simulation.polynomials import OPTIONS
 
 compiled = numba.njit(nogil=True, **OPTIONS)
 inlined = numba.njit(forceinline=True, **OPTIONS)

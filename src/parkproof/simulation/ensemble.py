@@ -12,10 +12,10 @@ from parkproof.errors import InputError
 from parkproof.laws.parameters import law_parameters
 from parkproof.model.truth import channel
 from parkproof.scenario import Scenario
-from parkproof.simulate.lanes.buffer import BLOCK, RESULTS, Clock, LaneLimits
-from parkproof.simulate.metrics import RESIDUAL_WINDOW
-from parkproof.simulate.outcome import Outcome
-from parkproof.simulate.run import HOLD, plant_steps
+from parkproof.simulation.lanes.buffer import BLOCK, RESULTS, Clock, LaneLimits
+from parkproof.simulation.metrics import RESIDUAL_WINDOW
+from parkproof.simulation.outcome import Outcome
+from parkproof.simulation.run import HOLD, plant_steps
 
 Floats = NDArray[np.float64]
 
@@ -102,7 +102,7 @@ def simulate_ensemble(scenarios: Sequence[Scenario], *, threads: int = 1) -> dic
             f'robot.kind = "{first.robot.kind}": lanes carry out robots of kind "chained" only; '
             "use simulate() for this one"
         )
-    from parkproof.simulate.lanes.kernel import kernel_of
+    from parkproof.simulation.lanes.kernel import kernel_of
 
     kernel = kernel_of(first.law)
     run, limits = first.run, first.limits

@@ -14,9 +14,9 @@ from parkproof.model.overhead import ImageGains
 from parkproof.model.signals import Square
 from parkproof.model.truth import channel
 from parkproof.scenario import Scenario
-from parkproof.simulate.metrics import RESIDUAL_WINDOW, Metrics, metrics_of
-from parkproof.simulate.outcome import Outcome
-from parkproof.simulate.plant import Plant
+from parkproof.simulation.metrics import RESIDUAL_WINDOW, Metrics, metrics_of
+from parkproof.simulation.outcome import Outcome
+from parkproof.simulation.plant import Plant
 
 DIVERGED_AT = 1e6
 """A run ends as diverged when a state exceeds this."""

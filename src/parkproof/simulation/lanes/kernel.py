@@ -1,6 +1,6 @@
 """The same scalar functions compiled for ensembles: 64 trials side by side, the loop inside.
 
-The kernel repeats the reference run of `parkproof.simulate.run` for robots of kind "chained" under
+The kernel repeats the reference run of `parkproof.simulation.run` for robots of kind "chained" and
 the paper's camera. Law, switching, inputs and measurements are the functions used there; only the
 order of the loops differs. A lane's result does not depend on its place in a batch.
 """
@@ -18,7 +18,7 @@ from parkproof.laws.table import law_named
 from parkproof.laws.turn import turn_nominal, turned
 from parkproof.model.unicycle import wrap_angle
 from parkproof.scalar import clip
-from parkproof.simulate.lanes.buffer import (
+from parkproof.simulation.lanes.buffer import (
     BLOCK,
     CHART,
     END0,
@@ -39,9 +39,9 @@ from parkproof.simulate.lanes.buffer import (
     TAU2,
     WAY,
 )
-from parkproof.simulate.lanes.metrics import count, measure, watch
-from parkproof.simulate.lanes.plant import advance_all, change_coordinates, fill_signals
-from parkproof.simulate.polynomials import OPTIONS, register
+from parkproof.simulation.lanes.metrics import count, measure, watch
+from parkproof.simulation.lanes.plant import advance_all, change_coordinates, fill_signals
+from parkproof.simulation.polynomials import OPTIONS, register
 
 
 @cache

@@ -1,6 +1,6 @@
 """The plant of a block of lanes: signals, coordinates, and one control period of motion.
 
-Compiled code: arrays ``b`` are the buffer of `parkproof.simulate.lanes.buffer`.
+Compiled code: arrays ``b`` are the buffer of `parkproof.simulation.lanes.buffer`.
 """
 
 import math
@@ -10,7 +10,7 @@ import numba
 from parkproof.model.chained import body_inputs, chained_inputs
 from parkproof.model.signals import tone_value
 from parkproof.scalar import sign
-from parkproof.simulate.lanes.buffer import (
+from parkproof.simulation.lanes.buffer import (
     BLOCK,
     CHART,
     ENDED,
@@ -27,8 +27,8 @@ from parkproof.simulate.lanes.buffer import (
     TAU1,
     TAU2,
 )
-from parkproof.simulate.polynomials import OPTIONS, register
-from parkproof.simulate.steps import chained_step, turning_step
+from parkproof.simulation.polynomials import OPTIONS, register
+from parkproof.simulation.steps import chained_step, turning_step
 
 register()
 
