@@ -264,6 +264,16 @@ class Scenario(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         return x0, x1, math.atan(x2)
 
     @property
+    def view_outline(self) -> tuple[tuple[float, float], ...]:
+        """Corners, in order, of what the camera sees in the goal's image frame; may be empty."""
+        if self.camera is not None:
+            return self.camera.view.corners
+        if self.limits.view is None:
+            return ()
+        x_min, x_max, y_min, y_max = self.limits.view
+        return (x_min, y_min), (x_max, y_min), (x_max, y_max), (x_min, y_max)
+
+    @property
     def start_velocity(self) -> tuple[float, float]:
         """Speed v, and turn rate of the heading in the image, at the start."""
         chained = self.start.chained

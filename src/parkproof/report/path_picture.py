@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.patches import Rectangle
+from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
 from parkproof.report.robot_picture import draw_robot
@@ -67,11 +67,11 @@ def window_of(run: "Run") -> tuple[Window, bool]:
     size, early_size = (math.hypot(b[1] - b[0], b[3] - b[2]) or 1.0 for b in (whole, early))
     stays = size <= BEYOND * early_size
     shown = whole if stays else early
-    view = run.scenario.limits.view
-    if view is not None and math.hypot(view[1] - view[0], view[3] - view[2]) < 4.0 * early_size:
-        shown = tuple(  # type: ignore[assignment]  # four numbers
-            pick(a, b) for pick, a, b in zip((min, max, min, max), shown, view, strict=True)
-        )
+    if outline := run.scenario.view_outline:
+        seen = _bounding_box(*np.transpose(outline))
+        if math.hypot(seen[1] - seen[0], seen[3] - seen[2]) < 4.0 * early_size:
+            x_low, x_high, y_low, y_high = zip(shown, seen, strict=True)
+            shown = min(x_low), max(x_high), min(y_low), max(y_high)
     margin = 0.09 * (math.hypot(shown[1] - shown[0], shown[3] - shown[2]) or 1.0)
     low, high = shown[2] - margin, shown[3] + margin
     if not stays:
@@ -123,12 +123,12 @@ def frame_path(axes: "Axes", run: "Run") -> float:
     axes.set_ylabel("y_m (image units, upwards)")
     axes.axhline(0.0, color=FAINT, lw=1.0, zorder=0.9)
     axes.axvline(0.0, color=FAINT, lw=1.0, zorder=0.9)
-    if (view := run.scenario.limits.view) is not None:
-        corner, sides = (view[0], view[2]), (view[1] - view[0], view[3] - view[2])
-        axes.add_patch(Rectangle(corner, *sides, fc="none", ec=VERMILION, lw=1.1, ls="--"))
+    if outline := run.scenario.view_outline:
+        axes.add_patch(Polygon(outline, fc="none", ec=VERMILION, lw=1.1, ls="--"))
+        topmost = max(outline, key=lambda corner: (corner[1], corner[0]))
         axes.annotate(
-            "camera's view", (view[1], view[3]), xytext=(-4, -4), textcoords="offset points",
-            ha="right", va="top", fontsize=8, color=VERMILION,
+            "camera's view", topmost, xytext=(0, 3), textcoords="offset points",
+            ha="right", va="bottom", fontsize=8, color=VERMILION,
         )  # fmt: skip
     length = ROBOT_INCHES / height * (y_high - y_low)
     draw_robot(axes, (0.0, 0.0, 0.0), length=length, colour=INK, ghost=True, zorder=6.0)
