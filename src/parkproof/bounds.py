@@ -96,7 +96,7 @@ class Limits(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     Parameters
     ----------
     tau : pair of floats, optional
-        Largest |τ1|, |τ2|.
+        Largest |τ1|, |τ2|: the inputs of (6), not the accelerations of a torque-commanded robot.
     speed, turn_rate : float, optional
         Largest |v| and |ω|.
     view : four floats, optional
@@ -140,3 +140,8 @@ class Limits(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
                 raise InputError(
                     f"view = {list(self.view)}: must be [x_min, x_max, y_min, y_max] with min < max"
                 )
+
+    @property
+    def saturation(self) -> tuple[float, float] | None:
+        """The limits of τ if inputs are to be clipped there, else None."""
+        return self.tau if self.saturate else None

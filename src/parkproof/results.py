@@ -75,7 +75,7 @@ def notes_of(scenario: Scenario) -> list[str]:
     switching, run = scenario.switching, scenario.run
     notes = []
     for index, (name, i, step) in enumerate((("u0", 0, 1), ("u1", 1, 2), ("u0", 0, 3))):
-        band, tolerance = _band(scenario, i), switching.tolerance[index]
+        band, tolerance = _band(scenario, i, step), switching.tolerance[index]
         if band <= tolerance:
             continue
         consequence = (
@@ -85,9 +85,8 @@ def notes_of(scenario: Scenario) -> list[str]:
         )
         notes.append(
             f"tolerance[{index}] = {tolerance:g} is below the band {band:.2g} within which a "
-            f"period of {1e3 * run.control_period:g} ms can hold {name} against the largest "
-            f"disturbance: "
-            f"{consequence}."
+            f"period of {1e3 * run.control_period:g} ms holds {name} under the largest gain and "
+            f"disturbance: {consequence}."
         )
     for name in ("to_step2", "to_step3"):
         moment = getattr(switching, name)
@@ -96,17 +95,36 @@ def notes_of(scenario: Scenario) -> list[str]:
                 f"{name} = {moment:g} s is not before the end of the run at {run.duration:g} s: "
                 "the law will not get there."
             )
+    p_limit = switching.chart_tangents[1]
+    steepness = scenario.gains.l[0] * abs(scenario.start_pose[1]) ** scenario.gains.exponents[1]
+    if scenario.law == "corrected" and steepness > p_limit:
+        notes.append(
+            f"From this start the law asks for a heading of "
+            f"{math.degrees(math.atan(steepness)):.2f}°, where it would turn again: start nearer "
+            "to the goal's line, or lower l1."
+        )
     if (reason := _outside_guarantee(scenario)) is not None:
         notes.append(f"This run is outside the guarantee: {reason}.")
     return notes
 
 
-def _band(scenario: Scenario, i: int) -> float:
-    """How far from its surface sampling lets u0 (i = 0) or u1 (i = 1) drift in one period."""
+def _band(scenario: Scenario, i: int, step: int) -> float:
+    """How far from its surface sampling lets u0 (i = 0) or u1 (i = 1) stray in a step."""
     low, high = scenario.bounds.gamma_of(i)
     phi = scenario.bounds.disturbance_of(i)
-    explicit = scenario.run.discretisation == "explicit"
-    return scenario.run.control_period * (high * phi / low + (phi if explicit else 0.0))
+    h = scenario.run.control_period
+    if scenario.run.discretisation == "implicit":
+        return h * high * phi / low
+    gains = scenario.gains
+    q0, q1, q2 = gains.exponents
+    gain, power = {
+        1: (gains.lambda1, q0),
+        2: (gains.l[2], (3.0 * q1 - 2.0) / (2.0 * q1 - 1.0)),
+        3: (gains.k[1], (2.0 * q2 - 1.0) / q2),
+    }[step]
+    # the amplitude at which u' = -gain |u|^power, held for a period, throws u to the other side
+    cycle = float((0.5 * h * high / low * gain) ** (1.0 / (1.0 - power)))
+    return max(cycle, h * (high * phi / low + phi))
 
 
 def _outside_guarantee(scenario: Scenario) -> str | None:
@@ -115,6 +133,16 @@ def _outside_guarantee(scenario: Scenario) -> str | None:
         return "truth.outside_bounds = true lets the truth leave what the controller knows"
     if scenario.limits.saturate:
         return "limits.saturate = true clips the inputs that the law asks for"
+    if scenario.robot.kind == "torque" and (
+        scenario.camera is not None
+        or scenario.bounds.gamma_of(0) != (1.0, 1.0)
+        or scenario.bounds.gamma_of(1) != (1.0, 1.0)
+        or max(scenario.bounds.disturbance_of(0), scenario.bounds.disturbance_of(1)) > 0.0
+    ):
+        return (
+            "γ and φ act on the robot's own accelerations, and what becomes of them in (6) can "
+            'exceed the bounds (robot.kind = "torque")'
+        )
     return None
 
 
@@ -139,7 +167,7 @@ def summary_of(run: "Run") -> dict[str, Any]:
     >>> run = simulate(Scenario(law="corrected", start=Start(pose=(-1.0, 0.1, 0.0)),
     ...                         run=RunSettings(duration=12.0, control_period=0.01)))
     >>> summary = summary_of(run)
-    >>> summary["outcome"], summary["guarantee"]
+    >>> summary["outcome"], summary["assumptions"]
     ('parked', 'inside the bounds: the truth stays inside what the controller knows')
     """
     from parkproof.simulation.run import plant_steps
@@ -152,7 +180,7 @@ def summary_of(run: "Run") -> dict[str, Any]:
         "law": scenario.law,
         "outcome": run.outcome.value,
         "sentence": run.outcome.sentence,
-        "guarantee": (
+        "assumptions": (
             f"outside the guarantee: {reason}"
             if reason is not None
             else "inside the bounds: the truth stays inside what the controller knows"

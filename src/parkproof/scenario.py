@@ -13,12 +13,15 @@ from parkproof.bounds import Bounds, Limits
 from parkproof.errors import InputError
 from parkproof.laws.controller import RobotKind
 from parkproof.laws.gains import Gains, Switching
-from parkproof.laws.parameters import Discretisation
+from parkproof.laws.parameters import Discretisation, law_parameters
 from parkproof.model.chained import ChainedState, body_inputs
 from parkproof.model.overhead import Overhead, OverheadView
 from parkproof.model.truth import Truth
 from parkproof.model.unicycle import wrap_angle
 from parkproof.validate import finite, positive
+
+DIVERGED_AT = 1e6
+"""No state may start beyond this, and a run ends as diverged when one exceeds it."""
 
 MAX_SAMPLES = 20_000_000
 """Most control periods in a run; more would not fit in memory."""
@@ -89,6 +92,13 @@ class Start(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
                 "[start] needs just one of state = [x0, x1, x2, u0, u1], pose = [x, y, theta] "
                 "and, with a [camera], floor_pose = [x, y, theta]"
             )
+        for name in ("state", "pose", "floor_pose", "velocity"):
+            values = getattr(self, name) or ()
+            if any(abs(value) >= DIVERGED_AT for value in values):
+                raise InputError(
+                    f"start.{name} = {list(values)}: every number must be below {DIVERGED_AT:g} "
+                    "in size; start nearer, or scale the units"
+                )
         if self.state is not None and self.velocity is not None:
             raise InputError("[start] velocity goes with a pose; state already holds u0 and u1")
         for name in ("state", "pose", "floor_pose", "velocity"):
@@ -107,7 +117,7 @@ class RunSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     Parameters
     ----------
     duration : float
-        Length of the run in s.
+        Length of the run in s; the run ends with its last whole control period.
     control_period : float
         Period h of the controller in s.
     discretisation : "explicit" or "implicit"
@@ -163,8 +173,8 @@ class RunSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 
     @property
     def samples(self) -> int:
-        """Number of control periods in the run."""
-        return max(1, round(self.duration / self.control_period))
+        """Number of whole control periods in the run."""
+        return max(1, math.floor(self.duration / self.control_period + 1e-9))
 
 
 class Robot(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -174,7 +184,9 @@ class Robot(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     ----------
     kind : "chained", "torque" or "velocity"
         "chained": τ1, τ2 act on u0, u1 as in (6), the paper's idealisation. "torque": the robot
-        takes accelerations of v and ω; the quadratic terms (D7) are fed forward. "velocity": it
+        takes accelerations of v and ω; the quadratic terms (D7) are fed forward. γ and φ then act
+        on v̇ and ω̇, so that the disturbances of (6) become φ1 cos θ and φ2 sec² θ, and (γ − 1)
+        times the fed-forward terms adds to them: larger than the bounds near ±90°. "velocity": it
         takes v and ω, and u0, u1 live in the controller.
 
     Examples
@@ -243,7 +255,19 @@ class Scenario(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             self._check_camera(self.camera.view)
         elif self.start.floor_pose is not None:
             raise InputError("start.floor_pose needs a [camera]; write start.pose without one")
+        law_parameters(
+            bounds=self.bounds,
+            gains=self.gains,
+            switching=self.switching,
+            control_period=self.run.control_period,
+        )
         x, y, _ = self.start_pose
+        speed, turn_rate = self.start_velocity
+        if max(abs(speed), abs(turn_rate)) >= DIVERGED_AT:
+            raise InputError(
+                f"start: v = {speed:.3g} and omega = {turn_rate:.3g} follow from the state; they "
+                f"must be below {DIVERGED_AT:g} in size; start slower or straighter"
+            )
         view = self.limits.view
         if view is not None and not (view[0] <= x <= view[1] and view[2] <= y <= view[3]):
             raise InputError(
@@ -300,8 +324,8 @@ class Scenario(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             if seen.a_min < low or seen.a_max > high:
                 raise InputError(
                     f"the camera's gain a ranges over [{seen.a_min:.3g}, {seen.a_max:.3g}] in its "
-                    f"picture, outside bounds.alpha = [{low:g}, {high:g}]; widen the bounds, or "
-                    "write outside_bounds = true under [truth]"
+                    f"picture (sampled), outside bounds.alpha = [{low:g}, {high:g}]; widen the "
+                    "bounds, or write outside_bounds = true under [truth]"
                 )
 
     def _check_published(self) -> None:

@@ -46,7 +46,7 @@ def _facts(summary: dict[str, Any]) -> list[tuple[str, str]]:
     facts = [
         ("Outcome", summary["outcome"]),
         ("", summary["sentence"]),
-        ("Guarantee", summary["guarantee"]),
+        ("Assumptions", summary["assumptions"]),
         ("Settled after", "not settled" if total is None else f"{_number(total)} s"),
     ]
     for step, ended in times["steps"].items():

@@ -1,8 +1,11 @@
 """Finite-time laws of chains of integrators: the nominal laws of Steps 1, 2 and 3.
 
-Each law of a channel has two parts: the nominal input ũ, and the *surface* u* on which ũ changes
-sign (ũ = 0 exactly where u = u*). The explicit discretisation uses the first alone, the implicit
-one both.
+For fixed positions, each nominal law is a function of the chain's last state u alone, of one form:
+
+    ũ = −gain·⌈⌈u⌋^power + offset⌋^outer.
+
+So a law of a channel is four numbers, a `ChannelLaw`; only ``offset`` depends on the positions. It
+vanishes, and changes sign, on its *surface* u* = −⌈offset⌋^(1/power).
 """
 
 from collections.abc import Callable, Sequence
@@ -11,15 +14,64 @@ from parkproof.errors import InputError
 from parkproof.scalar import scalar, spow
 from parkproof.validate import finite, positive
 
+ChannelLaw = tuple[float, float, float, float]
+"""(gain, power, offset, outer) of ũ = −gain·⌈⌈u⌋^power + offset⌋^outer; no control if gain = 0."""
+
 
 @scalar
-def one_chain(e: float, gain: float, q: float) -> float:
-    """Nominal law of one integrator, ũ = −λ⌈e⌋^q (Step 1, with e = u0 − 1).
+def nominal_input(u: float, gain: float, power: float, offset: float, outer: float) -> float:
+    """Nominal input ũ = −gain·⌈⌈u⌋^power + offset⌋^outer of a channel.
 
     Parameters
     ----------
-    e : float
-        Error.
+    u : float
+        Last state of the chain.
+    gain, power, offset, outer : float
+        The channel's law.
+
+    Returns
+    -------
+    float
+        ũ.
+
+    Examples
+    --------
+    >>> nominal_input(9.0, *one_chain(1.0, 1.0, 1 / 3))
+    -2.0
+    """
+    return -gain * spow(spow(u, power) + offset, outer)
+
+
+@scalar
+def surface_of(power: float, offset: float) -> float:
+    """Surface u* = −⌈offset⌋^(1/power), on which a channel's nominal input vanishes.
+
+    Parameters
+    ----------
+    power, offset : float
+        Of the channel's law.
+
+    Returns
+    -------
+    float
+        u*.
+
+    Examples
+    --------
+    >>> surface_of(1.0, -1.0)
+    1.0
+    """
+    return -spow(offset, 1.0 / power)
+
+
+@scalar
+def one_chain(target: float, gain: float, q: float) -> ChannelLaw:
+    """Law of Step 1, ũ = −λ⌈u − target⌋^q, for one integrator u̇ = ũ.
+
+    Parameters
+    ----------
+    target : float
+        Where u shall go: 1 in the paper.
     gain : float
         λ > 0.
     q : float
@@ -27,25 +79,25 @@ def one_chain(e: float, gain: float, q: float) -> float:
 
     Returns
     -------
-    float
-        ũ; it vanishes where e = 0.
+    tuple of 4 floats
+        The channel's law.
 
     Examples
     --------
-    >>> one_chain(8.0, 1.0, 1 / 3)
-    -2.0
+    >>> one_chain(1.0, 2.0, 0.5)
+    (2.0, 1.0, -1.0, 0.5)
     """
-    return -gain * spow(e, q)
+    return gain, 1.0, -target, q
 
 
 @scalar
-def two_chain(x: float, u: float, K1: float, k3: float, inv_q: float, r: float) -> float:
-    """Nominal law of Step 3, ũ = −k̃3⌈⌈u⌋^(1/q) + k̃1^(1/q)·x⌋^(2q−1), of the chain ẋ = u, u̇ = ũ.
+def two_chain(x: float, K1: float, k3: float, inv_q: float, r: float) -> ChannelLaw:
+    """Law of Step 3, ũ = −k̃3⌈⌈u⌋^(1/q) + k̃1^(1/q)·x⌋^(2q−1), for ẋ = u, u̇ = ũ.
 
     Parameters
     ----------
-    x, u : float
-        State.
+    x : float
+        Position.
     K1 : float
         k̃1^(1/q).
     k3 : float
@@ -55,63 +107,36 @@ def two_chain(x: float, u: float, K1: float, k3: float, inv_q: float, r: float) 
 
     Returns
     -------
-    float
-        ũ; it vanishes where u = two_chain_surface(x, k̃1, q).
+    tuple of 4 floats
+        The channel's law.
 
     Examples
     --------
-    >>> two_chain(0.0, 1.0, 1.7, 6.5, 9 / 7, 5 / 9)
+    >>> nominal_input(1.0, *two_chain(0.0, 1.7, 6.5, 9 / 7, 5 / 9))
     -6.5
     """
-    return -k3 * spow(spow(u, inv_q) + K1 * x, r)
-
-
-@scalar
-def two_chain_surface(x: float, k1: float, q: float) -> float:
-    """Surface of `two_chain`: u* = −k̃1⌈x⌋^q.
-
-    Parameters
-    ----------
-    x : float
-        Position.
-    k1 : float
-        k̃1 > 0.
-    q : float
-        Exponent in (1/2, 1).
-
-    Returns
-    -------
-    float
-        u*.
-
-    Examples
-    --------
-    >>> two_chain_surface(1.0, 1.5, 7 / 9)
-    -1.5
-    """
-    return -k1 * spow(x, q)
+    return k3, inv_q, K1 * x, r
 
 
 @scalar
 def three_chain(
     x1: float,
     x2: float,
-    u1: float,
     L1: float,
     L2: float,
     l3: float,
     inv_q: float,
     inv_e: float,
     r: float,
-) -> float:
-    """Nominal law of Step 2, τ̃2 = −l3⌈ξ2⌋^(3q1−2).
+) -> ChannelLaw:
+    """Law of Step 2, τ̃2 = −l3⌈ξ2⌋^(3q1−2), for ẋ1 = α2 u0 x2, ẋ2 = u1, u̇1 = τ̃2.
 
     ξ1 = ⌈x2⌋^(1/q1) + l1^(1/q1)·x1 and ξ2 = ⌈u1⌋^(1/(2q1−1)) + l2^(1/(2q1−1))·ξ1.
 
     Parameters
     ----------
-    x1, x2, u1 : float
-        State of the chain ẋ1 = α2 u0 x2, ẋ2 = u1, u̇1 = τ̃2.
+    x1, x2 : float
+        Positions.
     L1, L2 : float
         l1^(1/q1) and l2^(1/(2q1−1)).
     l3 : float
@@ -121,47 +146,16 @@ def three_chain(
 
     Returns
     -------
-    float
-        τ̃2; it vanishes where u1 = three_chain_surface(x1, x2, ...).
+    tuple of 4 floats
+        The channel's law.
 
     Examples
     --------
-    >>> three_chain(0.0, 0.0, 1.0, 2.3, 9.5, 21.0, 11 / 9, 11 / 7, 5 / 11)
+    >>> nominal_input(1.0, *three_chain(0.0, 0.0, 2.3, 9.5, 21.0, 11 / 9, 11 / 7, 5 / 11))
     -21.0
     """
     xi1 = spow(x2, inv_q) + L1 * x1
-    xi2 = spow(u1, inv_e) + L2 * xi1
-    return -l3 * spow(xi2, r)
-
-
-@scalar
-def three_chain_surface(
-    x1: float, x2: float, L1: float, l2: float, inv_q: float, e: float
-) -> float:
-    """Surface of `three_chain`: u1* = −l2⌈ξ1⌋^(2q1−1).
-
-    Parameters
-    ----------
-    x1, x2 : float
-        State.
-    L1 : float
-        l1^(1/q1).
-    l2 : float
-        l2 > 0.
-    inv_q, e : float
-        1/q1 and 2q1 − 1.
-
-    Returns
-    -------
-    float
-        u1*.
-
-    Examples
-    --------
-    >>> three_chain_surface(0.0, 1.0, 2.3, 4.2, 11 / 9, 7 / 11)
-    -4.2
-    """
-    return -l2 * spow(spow(x2, inv_q) + L1 * x1, e)
+    return l3, inv_e, L2 * xi1, r
 
 
 def power_integrator_law(gains: Sequence[float], *, q: float) -> Callable[[Sequence[float]], float]:

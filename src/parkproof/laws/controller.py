@@ -6,10 +6,10 @@ from typing import Literal, NamedTuple
 from parkproof.bounds import Bounds
 from parkproof.errors import InputError
 from parkproof.laws.gains import Gains, Switching
-from parkproof.laws.inputs import inputs, predicted
+from parkproof.laws.inputs import explicit_inputs, implicit_inputs, predicted
 from parkproof.laws.parameters import Discretisation, LawParameters, law_parameters
 from parkproof.laws.table import law_named
-from parkproof.laws.turn import turn_nominal, turned
+from parkproof.laws.turn import turn_channels, turned
 from parkproof.model.chained import (
     ChainedState,
     body_inputs,
@@ -166,6 +166,8 @@ class Controller:
         Form of the law in sampled time.
     robot : "chained", "torque" or "velocity"
         What the robot is commanded by: τ of (6) itself, accelerations, or velocities.
+    saturation : two floats, optional
+        Clip |τ1|, |τ2| at these; outside every guarantee.
 
     Raises
     ------
@@ -193,6 +195,7 @@ class Controller:
         control_period: float,
         discretisation: Discretisation = "explicit",
         robot: RobotKind = "chained",
+        saturation: tuple[float, float] | None = None,
     ) -> None:
         known = [bounds.gamma_of(0), bounds.gamma_of(1)]
         phi = max(bounds.disturbance_of(0), bounds.disturbance_of(1))
@@ -203,17 +206,20 @@ class Controller:
             )
         self._law = law_named(law)
         self._robot = robot
+        self._inputs = implicit_inputs if discretisation == "implicit" else explicit_inputs
         self.parameters: LawParameters = law_parameters(
             bounds=bounds,
             gains=gains or Gains(),
             switching=switching or Switching(),
             control_period=control_period,
             discretisation=discretisation,
+            saturation=saturation,
         )
         self._step: float | None = None
         self._way = 1.0
         self._held = (0.0, 0.0)
         self._held_in_chart = False
+        self._sent = (0.0, 0.0)
 
     @property
     def way(self) -> float:
@@ -236,7 +242,7 @@ class Controller:
         >>> controller.step(measured_pose(0.0, -2.0, 0.0, 0.0)).speed > 0.5
         True
         """
-        self._held = (finite("v", v), finite("omega", omega))
+        self._held = self._sent = (finite("v", v), finite("omega", omega))
         self._held_in_chart = False
 
     def step(self, measurement: Measurement) -> Command:
@@ -268,8 +274,7 @@ class Controller:
         p = self.parameters
         if self._step == 0.0:
             theta = m.theta + p.lookahead * m.omega
-            nominal = turn_nominal(theta, m.v, m.omega, p)
-            tau1, tau2 = inputs(*nominal, m.v, m.omega, p)
+            tau1, tau2 = self._inputs(*turn_channels(theta, p), m.v, m.omega, p)
         else:
             if not math.isfinite(m.x2):
                 raise InputError(
@@ -277,8 +282,8 @@ class Controller:
                     f'law "{self._law.name}" cannot turn; use law = "corrected"'
                 )
             x0, x1, x2 = predicted(m.x0, m.x1, m.x2, m.u0, m.u1, p)
-            nominal = self._law.nominal(self._step, self._way, x0, x1, x2, m.u0, m.u1, p)
-            tau1, tau2 = inputs(*nominal, m.u0, m.u1, p)
+            channels = self._law.channels(self._step, self._way, x0, x1, x2, m.u0, p)
+            tau1, tau2 = self._inputs(*channels, m.u0, m.u1, p)
         return self._command(m, tau1, tau2)
 
     def _with_held_velocity(self, m: Measurement) -> Measurement:
@@ -292,14 +297,17 @@ class Controller:
         if math.isfinite(m.x2):
             u0, u1 = chained_inputs(first, second, m.x2)
             return m._replace(u0=u0, u1=u1, v=first, omega=second)
-        return m._replace(v=first, omega=second)
+        # out of the chart between two samples: what was held there means nothing here
+        v, omega = self._sent if self._held_in_chart else self._held
+        return m._replace(v=v, omega=omega)
 
     def _advance_step(self, m: Measurement) -> None:
         p, law, before = self.parameters, self._law, self._step
         if before is None:
-            self._step = law.begin(m.x2, p)
+            self._step = law.begin(m.x1, m.x2, m.u1, p)
         elif before == 0.0:
-            self._step = 1.0 if turned(m.theta, m.v, m.omega, p) else 0.0
+            done = turned(m.theta, m.v, m.omega, p)
+            self._step = law.begin(m.x1, m.x2, m.u1, p) if done else 0.0
         else:
             self._step = law.switch(before, self._way, m.t, m.x0, m.x1, m.x2, m.u0, m.u1, p)
         if self._step == 1.0 and before != 1.0:
@@ -325,4 +333,5 @@ class Controller:
         else:
             self._held = (m.u0 + h * tau1, m.u1 + h * tau2)
             v, omega = body_inputs(*self._held, m.x2)
+        self._sent = (v, omega)
         return Command(step, tau1, tau2, speed=v, turn_rate=omega / m.beta)

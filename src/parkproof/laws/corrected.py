@@ -3,17 +3,11 @@
 Step 0 turns first when the heading lies outside the chart. Step 1 holds (x2, u1) instead of leaving
 them alone (D8). Step 2 works in either direction of travel, with x̃1 = sign(u0)·x1. Step 3 goes on
 correcting x1 with the sign that u0 really has (D3), while |u0| lies in a window in which that is
-certified, and holds the heading outside it. Step 4 goes on holding. If x1 leaves its tolerance, the
-law goes back to the run-up, in the better direction.
+expected to converge, and holds the heading outside it. Step 4 goes on holding. If x1 leaves its
+tolerance, the law goes back to the run-up, in the better direction.
 """
 
-from parkproof.laws.chains import (
-    one_chain,
-    three_chain,
-    three_chain_surface,
-    two_chain,
-    two_chain_surface,
-)
+from parkproof.laws.chains import ChannelLaw, one_chain, three_chain, two_chain
 from parkproof.laws.parameters import LawParameters
 from parkproof.scalar import scalar, sign, spow
 
@@ -84,28 +78,34 @@ def better_direction(x0: float, x1: float, x2: float, u0: float, p: LawParameter
 
 
 @scalar
-def corrected_begin(x2: float, p: LawParameters) -> float:
-    """Step with which the corrected law begins: a turn if the heading lies outside the chart.
+def corrected_begin(x1: float, x2: float, u1: float, p: LawParameters) -> float:
+    """Step with which the corrected law begins, at the start and after a turn.
+
+    A turn if the heading lies outside the chart; the return if there is nothing to correct across;
+    else the run-up.
 
     Parameters
     ----------
-    x2 : float
-        tan θ at the start, infinite beyond ±90°.
+    x1, x2, u1 : float
+        State at the start; x2 is infinite beyond ±90°.
     p : LawParameters
         Gains and bounds.
 
     Returns
     -------
     float
-        0 (turn) or 1 (run-up).
+        0 (turn), 1 (run-up) or 3 (return).
 
     Examples
     --------
     >>> from parkproof.laws import default_parameters
-    >>> corrected_begin(0.0, default_parameters()), corrected_begin(99.0, default_parameters())
-    (1.0, 0.0)
+    >>> p = default_parameters()
+    >>> [corrected_begin(x1, x2, 0.0, p) for x1, x2 in ((0.3, 0.0), (0.3, 99.0), (0.0, 0.0))]
+    [1.0, 0.0, 3.0]
     """
-    return 0.0 if abs(x2) > p.x2_enter else 1.0
+    heading = max(abs(x2), abs(u1) - p.band2)
+    straight = abs(x1) <= p.tolerance2 and heading <= max(p.tolerance2, p.turn_tolerance)
+    return 0.0 if abs(x2) > p.x2_enter else (3.0 if straight and p.to_step3 <= 0.0 else 1.0)
 
 
 @scalar
@@ -165,57 +165,44 @@ def corrected_switch(
 
 
 @scalar
-def corrected_nominal(
+def corrected_channels(
     step: float,
     way: float,
     x0: float,
     x1: float,
     x2: float,
     u0: float,
-    u1: float,
     p: LawParameters,
-) -> tuple[float, float, float, float]:
-    """Nominal inputs τ̃1, τ̃2 of the corrected law in Steps 1 to 4, and both channels' surfaces.
+) -> tuple[ChannelLaw, ChannelLaw]:
+    """Laws of both channels in Steps 1 to 4.
 
     Parameters
     ----------
     step, way : float
         Step in force and direction of travel.
-    x0, x1, x2, u0, u1 : float
+    x0, x1, x2, u0 : float
         State.
     p : LawParameters
         Gains and bounds.
 
     Returns
     -------
-    tuple of 4 floats
-        τ̃1, u0*, τ̃2, u1*.
+    two tuples of 4 floats
+        The laws of τ̃1 and τ̃2.
 
     Examples
     --------
     >>> from parkproof.laws import default_parameters
-    >>> tau1, *_ = corrected_nominal(1.0, -1.0, 0.0, 0.3, 0.0, 7.0, 0.5, default_parameters())
-    >>> round(tau1, 12)
+    >>> from parkproof.laws.chains import nominal_input
+    >>> one, _ = corrected_channels(1.0, -1.0, 0.0, 0.3, 0.0, 7.0, default_parameters())
+    >>> round(nominal_input(7.0, *one), 12)
     -2.0
     """
     cruising = step <= 2.0
-    cruise = way * p.runup_speed
-    nominal1 = (
-        one_chain(u0 - cruise, p.lambda1, p.q0)
-        if cruising
-        else two_chain(x0, u0, p.K1, p.k3, p.inv_q2, p.r2)
-    )
-    surface1 = cruise if cruising else two_chain_surface(x0, p.k1, p.q2)
+    cruise = one_chain(way * p.runup_speed, p.lambda1, p.q0)
+    back = two_chain(x0, p.K1, p.k3, p.inv_q2, p.r2)
     steering = step == 2.0 or (step == 3.0 and abs(u0) >= p.steer_low and abs(u0) <= p.steer_high)
     sided1 = (way if cruising else sign(u0)) * x1
-    nominal2 = (
-        three_chain(sided1, x2, u1, p.L1, p.L2, p.l3, p.inv_q1, p.inv_e1, p.r1)
-        if steering
-        else two_chain(x2, u1, p.H1, p.hold3, p.inv_q2, p.r2)
-    )
-    surface2 = (
-        three_chain_surface(sided1, x2, p.L1, p.l2, p.inv_q1, p.e1)
-        if steering
-        else two_chain_surface(x2, p.hold1, p.q2)
-    )
-    return nominal1, surface1, nominal2, surface2
+    approach = three_chain(sided1, x2, p.L1, p.L2, p.l3, p.inv_q1, p.inv_e1, p.r1)
+    straight = two_chain(x2, p.H1, p.hold3, p.inv_q2, p.r2)
+    return cruise if cruising else back, approach if steering else straight

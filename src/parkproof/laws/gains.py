@@ -54,6 +54,36 @@ def exponent(name: str, value: float | str, low: float, low_text: str) -> Ratio:
     return ratio
 
 
+def gain(name: str, value: float) -> float:
+    """Check that a gain is positive and of a size whose powers stay within the floats.
+
+    Parameters
+    ----------
+    name : str
+        What the gain is called.
+    value : float
+        The gain.
+
+    Returns
+    -------
+    float
+        The same number.
+
+    Raises
+    ------
+    InputError
+        If it lies outside [1e-9, 1e9].
+
+    Examples
+    --------
+    >>> gain("lambda1", 2)
+    2.0
+    """
+    if not 1e-9 <= positive(name, value) <= 1e9:
+        raise InputError(f"{name} = {value:g}: must lie between 1e-9 and 1e9; scale the units")
+    return float(value)
+
+
 class Gains(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Gains of the paper's switching controller (section 3), with those of the corrected law.
 
@@ -81,13 +111,13 @@ class Gains(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     Raises
     ------
     InputError
-        If an exponent lies outside its interval or a gain is not positive.
+        If an exponent lies outside its interval, or a gain outside [1e-9, 1e9].
 
     Examples
     --------
     >>> gains = Gains(q1="9/11", l=(2.0, 4.2, 21.0), k=(1.5, 6.5))
-    >>> str(gains.q1), gains.hold
-    ('9/11', (1.5, 6.5))
+    >>> str(gains.q1), gains.l[2]
+    ('9/11', 21.0)
     """
 
     q0: Exponent = "1/3"
@@ -105,17 +135,14 @@ class Gains(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         force_setattr(self, "q0", exponent("q0", self.q0, 0.0, "0"))
         force_setattr(self, "q1", exponent("q1", self.q1, 2.0 / 3.0, "2/3"))
         force_setattr(self, "q2", exponent("q2", self.q2, 0.5, "1/2"))
-        force_setattr(self, "lambda1", positive("lambda1", self.lambda1))
-        force_setattr(self, "runup_speed", positive("runup_speed", self.runup_speed))
-        if self.hold is None:
-            force_setattr(self, "hold", self.k)
-        if self.steering_speeds is None:
-            window = (0.1 * self.runup_speed, self.runup_speed)
-            force_setattr(self, "steering_speeds", window)
+        force_setattr(self, "lambda1", gain("lambda1", self.lambda1))
+        force_setattr(self, "runup_speed", gain("runup_speed", self.runup_speed))
         for name in ("l", "k", "hold", "steering_speeds"):
-            values = tuple(positive(name, value) for value in getattr(self, name))
-            force_setattr(self, name, values)
-        low, high = self.steering_speeds  # type: ignore[misc]  # filled above
+            if (given := getattr(self, name)) is not None:
+                force_setattr(self, name, tuple(gain(name, value) for value in given))
+        if self.steering_speeds is None:
+            return
+        low, high = self.steering_speeds
         if low >= high:
             raise InputError(
                 f"steering_speeds = [{low}, {high}]: must be [low, high] with low < high; "

@@ -4,9 +4,10 @@ The explicit form is the paper's: Theorem 1 evaluated at the sample. The implici
 nominal law at the positions predicted one period ahead and takes the sign at the period's end.
 """
 
+from parkproof.laws.chains import ChannelLaw, nominal_input
 from parkproof.laws.parameters import LawParameters
 from parkproof.laws.robustify import robust, robust_implicit
-from parkproof.scalar import scalar
+from parkproof.scalar import clip, scalar
 
 
 @scalar
@@ -39,25 +40,19 @@ def predicted(
 
 
 @scalar
-def inputs(
-    nominal1: float,
-    surface1: float,
-    nominal2: float,
-    surface2: float,
-    u0: float,
-    u1: float,
-    p: LawParameters,
+def explicit_inputs(
+    one: ChannelLaw, two: ChannelLaw, u0: float, u1: float, p: LawParameters
 ) -> tuple[float, float]:
-    """Inputs τ1, τ2 for one period from the nominal inputs and their surfaces.
+    """Inputs τ1, τ2 for one period in the explicit form: Theorem 1 at the sample.
 
     Parameters
     ----------
-    nominal1, surface1, nominal2, surface2 : float
-        τ̃ and u* of both channels.
+    one, two : tuples of 4 floats
+        Laws of both channels.
     u0, u1 : float
         Measured last states of both channels.
     p : LawParameters
-        Gains and bounds.
+        Gains and bounds; inputs are clipped at ``tau_max``.
 
     Returns
     -------
@@ -67,17 +62,45 @@ def inputs(
     Examples
     --------
     >>> from parkproof.laws import default_parameters
-    >>> inputs(-2.0, 1.0, 3.0, 0.0, 9.0, -1.0, default_parameters())
-    (-4.5, 5.5)
+    >>> one, two = (1.0, 1.0, -1.0, 1 / 3), (1.0, 1.0, 0.0, 0.5)
+    >>> explicit_inputs(one, two, 9.0, -1.0, default_parameters())
+    (-4.5, 3.5)
     """
-    tau1 = (
-        robust_implicit(nominal1, surface1, u0, p.phi1, p.gamma_min1, p.gamma_max1, p.period)
-        if p.implicit > 0.0
-        else robust(nominal1, p.phi1, p.gamma_min1)
-    )
-    tau2 = (
-        robust_implicit(nominal2, surface2, u1, p.phi2, p.gamma_min2, p.gamma_max2, p.period)
-        if p.implicit > 0.0
-        else robust(nominal2, p.phi2, p.gamma_min2)
-    )
-    return tau1, tau2
+    tau1 = robust(nominal_input(u0, *one), p.phi1, p.gamma_min1)
+    tau2 = robust(nominal_input(u1, *two), p.phi2, p.gamma_min2)
+    return clip(tau1, p.tau_max1), clip(tau2, p.tau_max2)
+
+
+@scalar
+def implicit_inputs(
+    one: ChannelLaw, two: ChannelLaw, u0: float, u1: float, p: LawParameters
+) -> tuple[float, float]:
+    """Inputs τ1, τ2 for one period in the implicit form.
+
+    Parameters
+    ----------
+    one, two : tuples of 4 floats
+        Laws of both channels at the positions of `predicted`.
+    u0, u1 : float
+        Measured last states of both channels.
+    p : LawParameters
+        Gains and bounds; inputs are clipped at ``tau_max``.
+
+    Returns
+    -------
+    tuple of 2 floats
+        τ1, τ2.
+
+    Examples
+    --------
+    Far from their surfaces both forms nearly agree; on them, the implicit one is at rest:
+
+    >>> from parkproof.laws import default_parameters
+    >>> one, two = (1.0, 1.0, -1.0, 1 / 3), (1.0, 1.0, 0.0, 0.5)
+    >>> tau1, tau2 = implicit_inputs(one, two, 9.0, 0.0, default_parameters(implicit=True))
+    >>> round(tau1, 2), abs(tau2)
+    (-4.5, 0.0)
+    """
+    tau1 = robust_implicit(u0, *one, p.phi1, p.gamma_min1, p.gamma_max1, p.period)
+    tau2 = robust_implicit(u1, *two, p.phi2, p.gamma_min2, p.gamma_max2, p.period)
+    return clip(tau1, p.tau_max1), clip(tau2, p.tau_max2)

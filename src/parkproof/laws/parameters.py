@@ -4,9 +4,11 @@ A flat tuple goes unchanged into compiled lanes. Every field is derived from wha
 may know: bounds, gains, switching conditions, and its own period and discretisation.
 """
 
+import math
 from typing import Literal, NamedTuple
 
 from parkproof.bounds import Bounds
+from parkproof.errors import InputError
 from parkproof.laws.gains import Gains, Switching
 from parkproof.validate import positive
 
@@ -69,6 +71,8 @@ class LawParameters(NamedTuple):
     lookahead: float
     band1: float
     band2: float
+    tau_max1: float
+    tau_max2: float
 
 
 def law_parameters(
@@ -78,6 +82,7 @@ def law_parameters(
     switching: Switching,
     control_period: float,
     discretisation: Discretisation = "explicit",
+    saturation: tuple[float, float] | None = None,
 ) -> LawParameters:
     """Flatten what a controller knows into the numbers that the scalar laws take.
 
@@ -92,7 +97,9 @@ def law_parameters(
     control_period : float
         Period h in s.
     discretisation : "explicit" or "implicit"
-        The form of the law in sampled time (`parkproof.laws.discretise`).
+        The form of the law in sampled time (`parkproof.laws.inputs`).
+    saturation : two floats, optional
+        Clip |τ1|, |τ2| at these; outside every guarantee.
 
     Returns
     -------
@@ -104,7 +111,7 @@ def law_parameters(
     Raises
     ------
     InputError
-        If the period is not positive.
+        If the period is not positive, or a power of a gain exceeds the largest float.
 
     Examples
     --------
@@ -118,7 +125,7 @@ def law_parameters(
     e1 = 2.0 * q1 - 1.0
     l1, l2, l3 = gains.l
     k1, k3 = gains.k
-    hold1, hold3 = gains.hold if gains.hold is not None else gains.k
+    hold1, hold3 = gains.hold or gains.k
     low, high = gains.steering_speeds or (0.1 * gains.runup_speed, gains.runup_speed)
     to_step2, to_step3 = switching.times
     tolerance1, tolerance2, tolerance3 = switching.tolerance
@@ -127,14 +134,23 @@ def law_parameters(
     (gm1, gM1), (gm2, gM2) = bounds.gamma_of(0), bounds.gamma_of(1)
     phi1, phi2 = bounds.disturbance_of(0), bounds.disturbance_of(1)
     implicit = discretisation == "implicit"
+    limit1, limit2 = saturation or (math.inf, math.inf)
+    try:
+        L1, L2 = l1 ** (1.0 / q1), l2 ** (1.0 / e1)
+        K1, H1 = k1 ** (1.0 / q2), hold1 ** (1.0 / q2)
+    except OverflowError as error:
+        raise InputError(
+            f"gains l = {list(gains.l)}, k = {list(gains.k)}: a power of them exceeds the largest "
+            "float; write gains between 1e-9 and 1e9"
+        ) from error
     return LawParameters(
         lambda1=gains.lambda1,
         q0=q0,
         l1=l1,
         l2=l2,
         l3=l3,
-        L1=l1 ** (1.0 / q1),
-        L2=l2 ** (1.0 / e1),
+        L1=L1,
+        L2=L2,
         q1=q1,
         inv_q1=1.0 / q1,
         e1=e1,
@@ -142,10 +158,10 @@ def law_parameters(
         r1=3.0 * q1 - 2.0,
         k1=k1,
         k3=k3,
-        K1=k1 ** (1.0 / q2),
+        K1=K1,
         hold1=hold1,
         hold3=hold3,
-        H1=hold1 ** (1.0 / q2),
+        H1=H1,
         q2=q2,
         inv_q2=1.0 / q2,
         r2=2.0 * q2 - 1.0,
@@ -175,4 +191,6 @@ def law_parameters(
         lookahead=h if implicit else 0.0,
         band1=h * gM1 * phi1 / gm1 if implicit else 0.0,
         band2=h * gM2 * phi2 / gm2 if implicit else 0.0,
+        tau_max1=limit1,
+        tau_max2=limit2,
     )

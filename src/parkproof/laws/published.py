@@ -4,25 +4,19 @@ Section 3 of the paper. It is kept as published, defects included: in Step 3 τ�
 unchanged, though u0 has changed sign (defect D3), and after Step 3 both inputs are zero.
 """
 
-from parkproof.laws.chains import (
-    one_chain,
-    three_chain,
-    three_chain_surface,
-    two_chain,
-    two_chain_surface,
-)
+from parkproof.laws.chains import ChannelLaw, one_chain, three_chain, two_chain
 from parkproof.laws.parameters import LawParameters
 from parkproof.scalar import scalar
 
 
 @scalar
-def published_begin(x2: float, p: LawParameters) -> float:
+def published_begin(x1: float, x2: float, u1: float, p: LawParameters) -> float:
     """Step with which the published law begins: Step 1.
 
     Parameters
     ----------
-    x2 : float
-        tan θ at the start.
+    x1, x2, u1 : float
+        State at the start.
     p : LawParameters
         Gains and bounds.
 
@@ -34,7 +28,7 @@ def published_begin(x2: float, p: LawParameters) -> float:
     Examples
     --------
     >>> from parkproof.laws import default_parameters
-    >>> published_begin(0.0, default_parameters())
+    >>> published_begin(0.0, 0.0, 0.0, default_parameters())
     1.0
     """
     return 1.0
@@ -113,45 +107,43 @@ def published_switch(
 
 
 @scalar
-def published_nominal(
+def published_channels(
     step: float,
     way: float,
     x0: float,
     x1: float,
     x2: float,
     u0: float,
-    u1: float,
     p: LawParameters,
-) -> tuple[float, float, float, float]:
-    """Nominal inputs τ̃1, τ̃2 of the published law, and the surfaces of both channels.
+) -> tuple[ChannelLaw, ChannelLaw]:
+    """Laws of both channels as published.
 
     Parameters
     ----------
     step, way : float
         Step in force and direction of travel (always forward).
-    x0, x1, x2, u0, u1 : float
+    x0, x1, x2, u0 : float
         State.
     p : LawParameters
         Gains and bounds.
 
     Returns
     -------
-    tuple of 4 floats
-        τ̃1, u0*, τ̃2, u1*; where a channel is not controlled, τ̃ = 0 and u* = u.
+    two tuples of 4 floats
+        The laws of τ̃1 and τ̃2; gain 0 where a channel is not controlled.
 
     Examples
     --------
     >>> from parkproof.laws import default_parameters
-    >>> published_nominal(1.0, 1.0, 0.0, 0.3, 0.0, 9.0, 0.5, default_parameters())
-    (-2.0, 1.0, 0.0, 0.5)
+    >>> from parkproof.laws.chains import nominal_input
+    >>> one, two = published_channels(1.0, 1.0, 0.0, 0.3, 0.0, 9.0, default_parameters())
+    >>> nominal_input(9.0, *one), nominal_input(0.5, *two) == 0.0
+    (-2.0, True)
     """
-    runup1 = one_chain(u0 - 1.0, p.lambda1, p.q0)
-    return1 = two_chain(x0, u0, p.K1, p.k3, p.inv_q2, p.r2)
-    approach2 = three_chain(x1, x2, u1, p.L1, p.L2, p.l3, p.inv_q1, p.inv_e1, p.r1)
-    approach2_surface = three_chain_surface(x1, x2, p.L1, p.l2, p.inv_q1, p.e1)
-    nominal1 = runup1 if step <= 2.0 else (return1 if step == 3.0 else 0.0)
-    surface1 = 1.0 if step <= 2.0 else (two_chain_surface(x0, p.k1, p.q2) if step == 3.0 else u0)
-    approaching = step == 2.0 or step == 3.0  # noqa: PLR1714  (a tuple would not compile to lanes)
-    nominal2 = approach2 if approaching else 0.0
-    surface2 = approach2_surface if approaching else u1
-    return nominal1, surface1, nominal2, surface2
+    runup = one_chain(1.0, p.lambda1, p.q0)
+    back = two_chain(x0, p.K1, p.k3, p.inv_q2, p.r2)
+    approach = three_chain(x1, x2, p.L1, p.L2, p.l3, p.inv_q1, p.inv_e1, p.r1)
+    stopped = (0.0, 1.0, 0.0, 1.0)
+    first = runup if step <= 2.0 else (back if step == 3.0 else stopped)
+    second = approach if step == 2.0 or step == 3.0 else stopped  # noqa: PLR1714  (for lanes)
+    return first, second

@@ -4,16 +4,17 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from parkproof.errors import InputError
+from parkproof.laws.chains import ChannelLaw
 from parkproof.laws.corrected import (
     better_direction,
     corrected_begin,
-    corrected_nominal,
+    corrected_channels,
     corrected_switch,
 )
 from parkproof.laws.published import (
     published_begin,
+    published_channels,
     published_direction,
-    published_nominal,
     published_switch,
 )
 
@@ -26,13 +27,13 @@ class Law(NamedTuple):
     name : str
         As in a scenario.
     begin : callable
-        (x2, p) → the first step.
+        (x1, x2, u1, p) → the first step, at the start and after a turn.
     direction : callable
         (x0, x1, x2, u0, p) → direction of travel, asked whenever Step 1 begins.
     switch : callable
         (step, direction, t, x0, x1, x2, u0, u1, p) → the step in force.
-    nominal : callable
-        (step, direction, x0, x1, x2, u0, u1, p) → τ̃1, u0*, τ̃2, u1*.
+    channels : callable
+        (step, direction, x0, x1, x2, u0, p) → the laws of both channels.
     turns : bool
         Whether it has a Step 0.
     """
@@ -41,7 +42,7 @@ class Law(NamedTuple):
     begin: Callable[..., float]
     direction: Callable[..., float]
     switch: Callable[..., float]
-    nominal: Callable[..., tuple[float, float, float, float]]
+    channels: Callable[..., tuple[ChannelLaw, ChannelLaw]]
     turns: bool
 
 
@@ -51,7 +52,7 @@ LAWS = {
         published_begin,
         published_direction,
         published_switch,
-        published_nominal,
+        published_channels,
         turns=False,
     ),
     "corrected": Law(
@@ -59,7 +60,7 @@ LAWS = {
         corrected_begin,
         better_direction,
         corrected_switch,
-        corrected_nominal,
+        corrected_channels,
         turns=True,
     ),
 }

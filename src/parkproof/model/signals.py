@@ -10,6 +10,9 @@ from parkproof.errors import InputError
 from parkproof.scalar import scalar, sign, sine
 from parkproof.validate import finite, not_negative, positive
 
+FASTEST = 1e6
+"""Highest angular frequency in rad/s: far above what a plant step can follow."""
+
 TONES = 8
 """Number of sines in band-limited noise."""
 
@@ -82,6 +85,12 @@ class Constant(
         return self.value, ()
 
 
+def _frequency(name: str, value: float) -> float:
+    if positive(name, value, example=10.0) > FASTEST:
+        raise InputError(f"{name} = {value:g} rad/s: at most {FASTEST:g}; write a lower frequency")
+    return float(value)
+
+
 class _Periodic(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What sine and square wave have in common."""
 
@@ -93,7 +102,7 @@ class _Periodic(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     def __post_init__(self) -> None:
         for name in ("mean", "amplitude", "phase"):
             force_setattr(self, name, finite(name, getattr(self, name)))
-        force_setattr(self, "omega", positive("omega", self.omega))
+        force_setattr(self, "omega", _frequency("omega", self.omega))
 
     @property
     def range(self) -> tuple[float, float]:
@@ -201,7 +210,7 @@ class Noise(
     def __post_init__(self) -> None:
         for name in ("mean", "amplitude"):
             force_setattr(self, name, finite(name, getattr(self, name)))
-        force_setattr(self, "bandwidth", positive("bandwidth", self.bandwidth, example=10.0))
+        force_setattr(self, "bandwidth", _frequency("bandwidth", self.bandwidth))
         not_negative("seed", self.seed)
 
     @property
@@ -230,7 +239,7 @@ class Adversary(
 ):
     """Makes Theorem 1's inequality as tight as the bounds allow, at every instant.
 
-    As a gain it is γ_i = γ_i^m; as a disturbance φ_i = −φ_i^M·sign τ̃_i.
+    As a gain it is γ_i = γ_i^m; as a disturbance φ_i = −φ_i^M·sign τ̃_i, so nothing where τ̃_i = 0.
 
     Examples
     --------

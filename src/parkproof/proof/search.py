@@ -46,7 +46,7 @@ _RANGE = (1e-6, 1e6)
 _LARGEST_L = 1e12
 
 
-class Outcome(StrEnum):
+class SearchOutcome(StrEnum):
     """How a search for gains ended.
 
     Attributes
@@ -58,8 +58,8 @@ class Outcome(StrEnum):
 
     Examples
     --------
-    >>> from parkproof.proof.search import Outcome
-    >>> Outcome.DOES_NOT_TERMINATE.value
+    >>> from parkproof.proof.search import SearchOutcome
+    >>> SearchOutcome.DOES_NOT_TERMINATE.value
     'does not terminate'
     """
 
@@ -149,7 +149,7 @@ class Remark3Result:
 
     Parameters
     ----------
-    outcome : Outcome
+    outcome : SearchOutcome
         How it ends.
     reason : str
         The same in one sentence, with numbers.
@@ -175,7 +175,7 @@ class Remark3Result:
     (True, False)
     """
 
-    outcome: Outcome
+    outcome: SearchOutcome
     reason: str
     passes: tuple[Remark3Pass, ...]
     growth_exponent: float
@@ -314,7 +314,7 @@ def remark3_search(
             passes.append(_step_a(q, passes[-1].bound, A, slacks))
         reason = _why_never(first, q, smallest, workable, _some_slacks_work(q, A))
     return Remark3Result(
-        outcome=Outcome.DOES_NOT_TERMINATE if found is None else Outcome.FEASIBLE,
+        outcome=SearchOutcome.DOES_NOT_TERMINATE if found is None else SearchOutcome.FEASIBLE,
         reason=reason,
         passes=tuple(passes),
         growth_exponent=1.0 + 1.0 / q,

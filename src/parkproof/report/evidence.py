@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 from msgspec.structs import replace
 
+from parkproof.bounds import Bounds
 from parkproof.laws.gains import Gains, Switching
 from parkproof.laws.parameters import Discretisation
 from parkproof.model.signals import Adversary, Constant
@@ -88,10 +89,15 @@ class Evidence:
         (q1, "paper" or "other") → largest sampled V̇3/V3^α with the paper's weights or others.
     small_ratio : float
         The same for gains some 50 times smaller than the conditions ask for.
-    bound : float
-        Settling-time bound of Step 2 from (1, 0, 0) that the sampled rate would give, in s.
+    bounds : dict
+        q1 → (settling time of Step 2 from (1, 0, 0) that the sampled rate would bound, the time
+        that the undisturbed run took to 1e-4), both in s for α2 = 0.5.
+    readings : float
+        Smallest value of (16) over the decimal-point readings of k1, k2 and all q1.
     remark3, sequential, remark4
         Results of the searches.
+    sequential_small
+        The search at the exponent of the small gains.
     plant_errors : dict of float to float
         Integration step of the plant → largest difference of the first 3 s from the finest.
     residuals : dict
@@ -110,9 +116,11 @@ class Evidence:
     untuned: tuple[Condition, ...]
     ratios: dict[tuple[str, str], float]
     small_ratio: float
-    bound: float
+    bounds: dict[str, tuple[float, float | None]]
+    readings: float
     remark3: Remark3Result
     sequential: Step2Found
+    sequential_small: Step2Found
     remark4: Step3Found
     plant_errors: dict[float, float]
     residuals: dict[tuple[float, str], tuple[float, float, str]]
@@ -186,6 +194,44 @@ def _ratios() -> dict[tuple[str, str], float]:
         for q1 in EXPONENTS
         for name, k in (("paper", WEIGHTS.k), ("other", OTHER_WEIGHTS[q1]))
     }
+
+
+def _bounds(ratios: dict[tuple[str, str], float]) -> dict[str, tuple[float, float | None]]:
+    """Bound and measured time of an undisturbed Step 2 from (1, 0, 0) with α2 = 0.5."""
+    found: dict[str, tuple[float, float | None]] = {}
+    for q1 in ("9/11", "13/15"):
+        gains = Gains(q1=q1, l=GAINS.l)
+        value = step2_lyapunov(gains, k=OTHER_WEIGHTS[q1]).value(1.0, 0.0, 0.0, alpha=0.5)
+        exponent = 0.5 * (1.0 + gains.exponents[1])
+        scenario = section4(
+            "published",
+            gains=gains,
+            truth=Truth(alpha=(1.0, 0.5)),
+            start=Start(state=(0.0, 1.0, 0.0, 1.0, 0.0)),
+            switching=Switching(tolerance=(1e-3, 1e-4, 1e-2)),
+            discretisation="implicit",
+            duration=9.0,
+        )
+        run = simulate(replace(scenario, bounds=Bounds(alpha=BOUNDS.alpha)))
+        bound = settling_bound(float(value), c=-ratios[q1, "other"], exponent=exponent)
+        found[q1] = bound, run.settling_time.steps["2"]
+    return found
+
+
+def _readings() -> float:
+    """Smallest value of (16), printed and sharp, over readings of k1, k2 and exponents."""
+    l1, l2, l3 = GAINS.l
+    return min(
+        check_conditions(
+            Step2Gains(q1=float(q1), l1=l1, l2=l2, l3=l3, k1=k1, k2=k2),
+            alpha_max=BOUNDS.alpha_of(1)[1],
+            form=form,
+        )[1].value
+        for q1 in np.linspace(0.67, 0.995, 40)
+        for k1 in (0.24, 2.4, 24.0)
+        for k2 in (1.75, 17.5, 175.0)
+        for form in ("printed", "sharp")
+    )
 
 
 def _plant_errors() -> dict[float, float]:
@@ -263,7 +309,6 @@ def gather(
     )
     progress("conditions and searches for gains")
     ratios = _ratios()
-    value = step2_lyapunov(GAINS, k=OTHER_WEIGHTS["9/11"]).value(1.0, 0.0, 0.0, alpha=0.5)
     progress("convergence study")
     return Evidence(
         figures=figures,
@@ -280,9 +325,13 @@ def gather(
         small_ratio=worst_ratio(
             step2_lyapunov(SMALL_GAINS, k=SMALL_WEIGHTS), alpha=BOUNDS.alpha_of(1)
         ).ratio,
-        bound=settling_bound(value, c=-ratios["9/11", "other"], exponent=0.5 * (1.0 + q1)),
+        bounds=_bounds(ratios),
+        readings=_readings(),
         remark3=remark3_search(q1, alpha_max=alpha2_max),
         sequential=sequential_search(q1, alpha_max=alpha2_max, form="sharp"),
+        sequential_small=sequential_search(
+            SMALL_GAINS.exponents[1], alpha_max=alpha2_max, form="sharp"
+        ),
         remark4=remark4_search(q2, GAINS.k[0], alpha_max=alpha1_max),
         plant_errors=_plant_errors(),
         residuals=_residuals(),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from parkproof.paper_example import BOUNDS, GAINS, WEIGHTS
-from parkproof.proof.conditions import Step2Gains, check_conditions
+from parkproof.proof.conditions import Step2Gains, Step3Gains, check_conditions
 from parkproof.report.evidence import EXPONENTS, SMALL_GAINS, Evidence
 from parkproof.report.style import (
     AMBER,
@@ -25,6 +25,8 @@ from parkproof.report.style import (
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from parkproof.report.style import Array
 
 LAW_COLOURS = {"published": VERMILION, "corrected": BLUE}
 DASHES = ("-", (0, (5, 2)), (0, (1.5, 1.5)))
@@ -53,7 +55,7 @@ def _redivergence(figure: "Figure", evidence: Evidence) -> None:
         xlim=(0.0, 3.5),
         xlabel="Time since Step 3 began (s)",
         ylabel="Lateral error |x1|",
-        title="Step 3 as printed drives x1 away again, however small it was",
+        title="Step 3 as printed drives x1 away again, at every tolerance tried",
     )
     axes.legend(loc="lower right", ncols=2)
 
@@ -119,18 +121,31 @@ def _conditions(figure: "Figure", evidence: Evidence) -> None:
         values.T, (BLUE, VERMILION, GREEN), ("15", "16", "17"), strict=True
     ):
         axes.plot(exponents, row, color=colour, label=f"({name})")
+    axes.plot(exponents, _values19(exponents), color=AMBER, ls="--", label="(19), over q2")
     axes.axhspan(-10.0, 0.0, color="#eef5ee", zorder=0.1)
     axes.set_yscale("symlog", linthresh=1.0)
     axes.text(0.682, -0.6, "satisfied", color=GREEN, fontsize=8.5, va="center")
     axes.set(
         ylim=(-1.2, 1e4),
         xlim=(0.68, 0.99),
-        xlabel="Exponent q1",
+        xlabel="Exponent q1 (q2)",
         ylabel="Value; the paper asks for < 0",
-        title="(15)-(17) at the published gains",
+        title="(15)-(17), (19) at the published gains",
     )
     axes.legend(loc="upper right")
     _decay(_axes(figure, 1, 2), evidence)
+
+
+def _values19(exponents: "Array") -> list[float]:
+    """(19) at the published gains, for each q2."""
+    k1, k3 = GAINS.k
+    return [
+        check_conditions(
+            Step3Gains(q2=q, k1_tilde=k1, k2_tilde=WEIGHTS.k_step3, k3_tilde=k3),
+            alpha_max=BOUNDS.alpha_of(0)[1],
+        )[1].value
+        for q in exponents
+    ]
 
 
 def _decay(axes: "Axes", evidence: Evidence) -> None:
@@ -170,13 +185,13 @@ def _gains(figure: "Figure", evidence: Evidence) -> None:
     axes.legend(loc="upper left")
     right = _axes(figure, 1, 2)
     rows = (
-        ("(15)-(17), sharp,\nq1 = 9/11", evidence.sequential.gains.l3, VERMILION),
+        ("(15)-(17),\nsharp form", evidence.sequential_small.gains.l3, VERMILION),
         ("published", GAINS.l[2], AMBER),
-        ("sampled,\nq1 = 13/15", SMALL_GAINS.l[2], BLUE),
+        (f"sampled,\nc = {-evidence.small_ratio:.2f}", SMALL_GAINS.l[2], BLUE),
     )
     bars = right.bar([r[0] for r in rows], [r[1] for r in rows], 0.6, color=[r[2] for r in rows])
     right.bar_label(bars, [f"{r[1]:.3g}" for r in rows], padding=2)
-    right.set(yscale="log", ylim=(1.0, 2000.0), title="Control gain l3 that each asks for")
+    right.set(yscale="log", ylim=(1.0, 2000.0), title="Control gain l3, q1 = 13/15")
     right.grid(visible=False, axis="x")
 
 

@@ -104,7 +104,7 @@ def simulate_ensemble(scenarios: Sequence[Scenario], *, threads: int = 1) -> dic
         )
     from parkproof.simulation.lanes.kernel import kernel_of
 
-    kernel = kernel_of(first.law)
+    kernel = kernel_of(first.law, implicit=first.run.discretisation == "implicit")
     run, limits = first.run, first.limits
     p = law_parameters(
         bounds=first.bounds,
@@ -112,6 +112,7 @@ def simulate_ensemble(scenarios: Sequence[Scenario], *, threads: int = 1) -> dic
         switching=first.switching,
         control_period=run.control_period,
         discretisation=run.discretisation,
+        saturation=limits.saturation,
     )
     end = run.samples * run.control_period
     clock = Clock(run.control_period, run.samples, plant_steps(first), end - RESIDUAL_WINDOW)
@@ -121,7 +122,6 @@ def simulate_ensemble(scenarios: Sequence[Scenario], *, threads: int = 1) -> dic
         limits.speed or none,
         limits.turn_rate or none,
         *(limits.view or (-none, none, -none, none)),
-        1.0 if limits.saturate else 0.0,
     )
     arrays = _lanes(scenarios)
     out = np.empty((len(RESULTS), arrays[0].shape[1]))

@@ -21,7 +21,7 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     Attributes
     ----------
     residual : float
-        Largest of |x0|, |x1|, |x2| over the last 2 s.
+        Largest of |x0|, |x1|, |x2| over the last 2 s; |θ| in the place of |x2| in Step 0.
     residual_by_state : dict
         The same for each state by name, u0 and u1 included.
     peak_tau, rms_tau : list of 2 floats
@@ -98,6 +98,8 @@ def metrics_of(columns: Columns, *, end_of_step2: float | None) -> Metrics:
     columns = {**columns, **_where_defined(columns)}
     recent = t >= t[-1] - RESIDUAL_WINDOW
     residual = {name: _largest(columns[name][recent]) for name in STATE_NAMES}
+    turning = recent & (columns["step"] == 0)
+    residual["x2"] = max(residual["x2"], _largest(columns["theta"][turning]))
     tau = [columns["tau1"], columns["tau2"]]
     elapsed = float(t[-1] - t[0])
     xm, ym = columns["xm"], columns["ym"]

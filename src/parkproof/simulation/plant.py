@@ -71,17 +71,19 @@ def runge_kutta(rates: Callable[[float, State], State], t: float, state: State, 
     )
 
 
-def channel_rate(channel: Channel, command: float, t: float) -> float:
-    """Rate γ(t)·τ + φ(t) of a channel's last state; an adversary opposes the sign of τ.
+def channel_rate(channel: Channel, command: float, t: float, against: float) -> float:
+    """Rate γ(t)·command + φ(t) of a channel's last state; an adversary opposes the sign of τ.
 
     Parameters
     ----------
     channel : Channel
         The true gain and disturbance.
     command : float
-        The input τ.
+        The input: τ, or the acceleration that a torque-commanded robot makes of it.
     t : float
         Time in s.
+    against : float
+        τ, whose sign is that of τ̃.
 
     Returns
     -------
@@ -90,12 +92,12 @@ def channel_rate(channel: Channel, command: float, t: float) -> float:
 
     Examples
     --------
-    >>> channel_rate(Channel(1.5, (), 0.0, (), 2.5), 4.0, 0.0)
+    >>> channel_rate(Channel(1.5, (), 0.0, (), 2.5), 4.0, 0.0, 4.0)
     3.5
     """
     gamma = signal_value(channel.gamma_mean, channel.gamma_tones, t)
     phi = (
-        -channel.phi_adversary * sign(command)
+        -channel.phi_adversary * sign(against)
         if channel.phi_adversary > 0.0
         else signal_value(channel.phi_mean, channel.phi_tones, t)
     )
@@ -208,6 +210,7 @@ class Plant:
             rates = self._velocity_rates
             first, second = command.speed, command.turn_rate
         self._first, self._second = first, second
+        self._tau = (command.tau1, command.tau2)
         state = self._state
         part = h / steps
         for i in range(steps):
@@ -235,8 +238,8 @@ class Plant:
         one, two = self._channels
         return (
             *chained_rates(x2, u0, u1, g0, g1),
-            channel_rate(one, self._first, t),
-            channel_rate(two, self._second, t),
+            channel_rate(one, self._first, t, self._tau[0]),
+            channel_rate(two, self._second, t, self._tau[1]),
         )
 
     def _turning_rates(self, t: float, state: State) -> State:
@@ -248,8 +251,8 @@ class Plant:
             g0 * v * c,
             g1 * v * s,
             omega,
-            channel_rate(one, self._first, t),
-            channel_rate(two, self._second, t),
+            channel_rate(one, self._first, t, self._tau[0]),
+            channel_rate(two, self._second, t, self._tau[1]),
         )
 
     def _torque_rates(self, t: float, state: State) -> State:
@@ -262,8 +265,8 @@ class Plant:
             g0 * v * c,
             g1 * v * s,
             beta * omega,
-            channel_rate(one, self._first, t),
-            channel_rate(two, self._second, t),
+            channel_rate(one, self._first, t, self._tau[0]),
+            channel_rate(two, self._second, t, self._tau[1]),
         )
 
     def _velocity_rates(self, t: float, state: State) -> State:  # noqa: ARG002  (same form as the others)

@@ -13,13 +13,10 @@ from parkproof.laws.controller import Command, Controller, Measurement
 from parkproof.model.overhead import ImageGains
 from parkproof.model.signals import Square
 from parkproof.model.truth import channel
-from parkproof.scenario import Scenario
-from parkproof.simulation.metrics import RESIDUAL_WINDOW, Metrics, metrics_of
+from parkproof.scenario import DIVERGED_AT, Scenario
+from parkproof.simulation.metrics import Metrics, metrics_of
 from parkproof.simulation.outcome import Outcome
 from parkproof.simulation.plant import Plant
-
-DIVERGED_AT = 1e6
-"""A run ends as diverged when a state exceeds this."""
 
 COLUMNS = (
     "t", "x0", "x1", "x2", "u0", "u1", "v", "omega", "tau1", "tau2", "xm", "ym", "theta", "step",
@@ -160,6 +157,7 @@ def simulate(scenario: Scenario, *, progress: Callable[[float], None] | None = N
         control_period=scenario.run.control_period,
         discretisation=scenario.run.discretisation,
         robot=scenario.robot.kind,
+        saturation=scenario.limits.saturation,
     )
     plant = Plant(
         robot=scenario.robot.kind,
@@ -181,15 +179,16 @@ def simulate(scenario: Scenario, *, progress: Callable[[float], None] | None = N
         measurement = plant.measurement(t)
         if (ended := recorder.end_before(measurement)) is not None:
             return recorder.finish(ended, t)
-        command = recorder.limited(controller.step(measurement))
-        recorder.record(measurement, command)
-        if (ended := recorder.end_after(command, measurement)) is not None:
-            return recorder.finish(ended, t)
-        if k < n:
-            try:
+        try:
+            command = controller.step(measurement)
+            recorder.record(measurement, command)
+            if (ended := recorder.end_after(command, measurement)) is not None:
+                return recorder.finish(ended, t)
+            if k < n:
                 plant.advance(command, t, h, steps)
-            except OverflowError:
-                return recorder.finish(Outcome.DIVERGED, t)
+        except ArithmeticError:  # beyond the floats, or beyond the horizon of the camera
+            seen = scenario.camera is None
+            return recorder.finish(Outcome.DIVERGED if seen else Outcome.OUT_OF_VIEW, t)
         if progress is not None and k % report_every == 0:
             progress(k / n)
     return recorder.finish(None, n * h)
@@ -232,16 +231,6 @@ class Recorder:
         if not abs(m.x2) < DIVERGED_AT and self._scenario.law == "published":
             return Outcome.LEFT_CHART
         return None
-
-    def limited(self, command: Command) -> Command:
-        """The command, clipped at the input limits if the scenario asks for that."""
-        tau = self._limits.tau
-        if tau is None or not self._limits.saturate:
-            return command
-        return command._replace(
-            tau1=max(-tau[0], min(tau[0], command.tau1)),
-            tau2=max(-tau[1], min(tau[1], command.tau2)),
-        )
 
     def end_after(self, command: Command, m: Measurement) -> Outcome | None:
         """The outcome if the command or the speed breaks a limit, else None."""
@@ -303,8 +292,7 @@ class Recorder:
         if self._last_step != HOLD:
             return Outcome.STILL_MOVING
         switching = self._scenario.switching
-        since = max(columns["t"][-1] - RESIDUAL_WINDOW, self._ends[HOLD - 1])
-        recent = columns["t"] >= since
+        recent = columns["t"] >= self._ends[HOLD - 1]
         _, across, along = switching.tolerance
         factor = switching.hysteresis
         inside = all(

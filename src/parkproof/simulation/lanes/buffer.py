@@ -26,7 +26,7 @@ ROWS = (
 ROW = {name: index for index, name in enumerate(ROWS)}
 RESULTS = ROWS[: ROW["chart"]]
 """Rows that a kernel returns: ``end_i`` is when Step i last ended (−1 if not), ``held_i`` the
-largest error since holding began (last 2 s at most), ``excursion2`` the excursion squared."""
+largest error since holding began, ``excursion2`` the excursion squared."""
 
 (
     STEP, WAY, RETURNS, ENDED, ENDED_AT, END0, END1, END2, END3,
@@ -61,4 +61,3 @@ class LaneLimits(NamedTuple):
     x_max: float
     y_min: float
     y_max: float
-    saturate: float

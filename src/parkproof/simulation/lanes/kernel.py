@@ -13,11 +13,11 @@ from typing import Any
 import numba
 import numpy as np
 
-from parkproof.laws.inputs import inputs, predicted
+from parkproof.laws.inputs import explicit_inputs, implicit_inputs, predicted
 from parkproof.laws.table import law_named
-from parkproof.laws.turn import turn_nominal, turned
+from parkproof.laws.turn import turn_channels, turned
+from parkproof.model.chained import chained_inputs
 from parkproof.model.unicycle import wrap_angle
-from parkproof.scalar import clip
 from parkproof.simulation.lanes.buffer import (
     BLOCK,
     CHART,
@@ -45,13 +45,15 @@ from parkproof.simulation.polynomials import OPTIONS, register
 
 
 @cache
-def kernel_of(law_name: str) -> Callable[..., Any]:
-    """Compile the kernel of a law, once a process.
+def kernel_of(law_name: str, *, implicit: bool) -> Callable[..., Any]:
+    """Compile the kernel of a law in one form, once a process.
 
     Parameters
     ----------
     law_name : str
         "published" or "corrected".
+    implicit : bool
+        Which form of the law.
 
     Returns
     -------
@@ -62,13 +64,14 @@ def kernel_of(law_name: str) -> Callable[..., Any]:
 
     Examples
     --------
-    >>> callable(kernel_of("corrected"))
+    >>> callable(kernel_of("corrected", implicit=False))
     True
     """
     register()
     law = law_named(law_name)
     law_begin, law_direction, law_switch = law.begin, law.direction, law.switch
-    law_nominal, turns = law.nominal, law.turns
+    law_channels, turns = law.channels, law.turns
+    inputs = implicit_inputs if implicit else explicit_inputs
     compiled = numba.njit(nogil=True, **OPTIONS)
     inlined = numba.njit(forceinline=True, **OPTIONS)
 
@@ -81,7 +84,9 @@ def kernel_of(law_name: str) -> Callable[..., Any]:
                 x2 = math.tan(b[S2, j]) if inside else math.copysign(math.inf, b[S2, j])
             else:
                 x2 = b[S2, j]
-            b[STEP, j] = law_begin(x2, p)
+            _, u1 = chained_inputs(b[S3, j], b[S4, j], x2)
+            rate = b[S4, j] if b[CHART, j] == 1.0 else u1
+            b[STEP, j] = law_begin(b[S1, j], x2, rate, p)
             change_coordinates(b, j)
             b[STEP_BEFORE, j] = b[STEP, j]
             b[WAY, j] = law_direction(b[S0, j], b[S1, j], b[S2, j], b[S3, j], p)
@@ -95,7 +100,9 @@ def kernel_of(law_name: str) -> Callable[..., Any]:
     def turn_lane(b, j, p):
         b[S2, j] = wrap_angle(b[S2, j])
         if turned(b[S2, j], b[S3, j], b[S4, j], p):
-            b[STEP, j] = 1.0
+            x2 = math.tan(b[S2, j])
+            _, u1 = chained_inputs(b[S3, j], b[S4, j], x2)
+            b[STEP, j] = law_begin(b[S1, j], x2, u1, p)
             change_coordinates(b, j)
 
     @compiled
@@ -125,36 +132,31 @@ def kernel_of(law_name: str) -> Callable[..., Any]:
         return turning
 
     @inlined
-    def chained_inputs_of_lane(b, j, p):
+    def command_in_chart(b, j, p):
         x0, x1, x2, u0, u1 = b[S0, j], b[S1, j], b[S2, j], b[S3, j], b[S4, j]
         y0, y1, y2 = predicted(x0, x1, x2, u0, u1, p)
-        n1, s1, n2, s2 = law_nominal(b[STEP, j], b[WAY, j], y0, y1, y2, u0, u1, p)
-        return inputs(n1, s1, n2, s2, u0, u1, p)
+        one, two = law_channels(b[STEP, j], b[WAY, j], y0, y1, y2, u0, p)
+        return inputs(one, two, u0, u1, p)
 
     @inlined
-    def turn_inputs_of_lane(b, j, p):
+    def command_turning(b, j, p):
         v, omega = b[S3, j], b[S4, j]
-        n1, s1, n2, s2 = turn_nominal(b[S2, j] + p.lookahead * omega, v, omega, p)
-        return inputs(n1, s1, n2, s2, v, omega, p)
+        one, two = turn_channels(b[S2, j] + p.lookahead * omega, p)
+        return inputs(one, two, v, omega, p)
 
     @compiled
-    def command_all(b, turning, p, limits):
+    def command_all(b, turning, p):
         for j in range(BLOCK):
-            if turning > 0 and b[CHART, j] == 0.0:
-                tau1, tau2 = turn_inputs_of_lane(b, j, p)
-            else:
-                tau1, tau2 = chained_inputs_of_lane(b, j, p)
             b[OLD0, j], b[OLD1, j] = b[TAU1, j], b[TAU2, j]
-            b[TAU1, j] = clip(tau1, limits.tau1) if limits.saturate > 0.0 else tau1
-            b[TAU2, j] = clip(tau2, limits.tau2) if limits.saturate > 0.0 else tau2
-
-    @compiled
-    def command_chart(b, p, limits):
-        for j in range(BLOCK):
-            tau1, tau2 = chained_inputs_of_lane(b, j, p)
-            b[OLD0, j], b[OLD1, j] = b[TAU1, j], b[TAU2, j]
-            b[TAU1, j] = clip(tau1, limits.tau1) if limits.saturate > 0.0 else tau1
-            b[TAU2, j] = clip(tau2, limits.tau2) if limits.saturate > 0.0 else tau2
+        if turning == 0:
+            for j in range(BLOCK):
+                b[TAU1, j], b[TAU2, j] = command_in_chart(b, j, p)
+        else:
+            for j in range(BLOCK):
+                if b[CHART, j] == 0.0:
+                    b[TAU1, j], b[TAU2, j] = command_turning(b, j, p)
+                else:
+                    b[TAU1, j], b[TAU2, j] = command_in_chart(b, j, p)
 
     @compiled
     def kernel(p, clock, limits, state, in_chart, alpha, mean, tones, adversary, out):
@@ -172,10 +174,7 @@ def kernel_of(law_name: str) -> Callable[..., Any]:
             t = k * clock.period
             watch(b, t, limits, turns)
             turning = switch_all(b, t, p) if k > 0 else count(b, STEP, 0.0)
-            if turning == 0:
-                command_chart(b, p, limits)
-            else:
-                command_all(b, turning, p, limits)
+            command_all(b, turning, p)
             measure(b, t, k == 0, clock.residual_from, limits)
             if count(b, ENDED, 0.0) == 0:
                 break

@@ -100,7 +100,7 @@ def measure(b, t, first, residual_from, limits):
         x2 = b[S2, j] if in_chart else 0.0
         tau1, tau2 = b[TAU1, j], b[TAU2, j]
         late = live and t >= residual_from
-        holding = late and b[STEP, j] == 4.0
+        holding = live and b[STEP, j] == 4.0
         e0, e1, e2 = abs(x), abs(y), abs(x2)
         b[RESIDUAL0, j] = max(b[RESIDUAL0, j], e0) if late else b[RESIDUAL0, j]
         b[RESIDUAL1, j] = max(b[RESIDUAL1, j], e1) if late else b[RESIDUAL1, j]
