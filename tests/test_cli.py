@@ -123,7 +123,7 @@ def test_notes_and_the_missing_guarantee_are_printed(scenario, capsys):
     settings = ["--no-pictures", "--set", "truth.outside_bounds=true", "--set", "run.duration=0.5"]
     text = words(said(capsys, "park", scenario, *settings))
     assert "Note: tolerance[0]" in text
-    assert "Guarantee outside the guarantee" in text
+    assert "Assumptions outside the guarantee" in text
 
 
 def test_reproduce_prints_the_claims_and_where_the_page_is(tmp_path, capsys, monkeypatch):

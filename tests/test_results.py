@@ -283,10 +283,10 @@ def test_the_summary_says_when_nothing_is_promised(section4: SCENARIO) -> None:
     outside = Truth(gamma=(Constant(3.0), Constant(1.0)), outside_bounds=True)
     short: dict[str, Any] = {"duration": 0.05, "control_period": 0.01}
     inside = summary_of(simulate(section4(**short)))
-    assert inside["guarantee"].startswith("inside the bounds")
+    assert inside["assumptions"].startswith("inside the bounds")
     for changes in ({"truth": outside}, {"limits": Limits(tau=(1.0, 1.0), saturate=True)}):
         summary = summary_of(simulate(section4(**short, **changes)))
-        assert summary["guarantee"].startswith("outside the guarantee")
+        assert summary["assumptions"].startswith("outside the guarantee")
         assert any("outside the guarantee" in note for note in summary["notes"])
 
 
@@ -295,7 +295,7 @@ def test_notes_name_a_tolerance_below_its_band(section4: SCENARIO) -> None:
     assert len(explicit) == 1
     assert "tolerance[0] = 0.001 is below the band 0.0075" in explicit[0]
     implicit = notes_of(section4(control_period=1e-3, discretisation="implicit"))
-    assert "the band 0.005 within which a period of 1 ms can hold u0" in implicit[0]
+    assert "the band 0.005 within which a period of 1 ms holds u0" in implicit[0]
     assert len(notes_of(section4(control_period=1e-2))) == 3
     assert notes_of(section4(control_period=1e-2, switching=LOOSE)) == []
 

@@ -70,7 +70,7 @@ def notes_of(scenario: Scenario) -> list[str]:
     >>> for note in notes_of(Scenario(law="corrected", start=Start(pose=(-1.0, 0.1, 0.0)),
     ...                               bounds=Bounds(disturbance=2.5))):
     ...     print(note)
-    tolerance[0] = 0.001 is below the band 0.005 within which a period of 1 ms can hold u0 ...
+    tolerance[0] = 0.001 is below the band 0.005 within which a period of 1 ms holds u0 ...
     """
     switching, run = scenario.switching, scenario.run
     notes = []
