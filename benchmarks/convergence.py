@@ -40,32 +40,38 @@ def run_with_plant_step(truth: Truth, step: float) -> Run:
 
 
 def largest_difference(run: Run, finest: Run, *, until: float) -> float:
-    """Largest difference of any state between two runs up to a time."""
-    count = round(until / run.scenario.run.control_period) + 1
+    """Largest difference of any state up to a time, or to where only one of the runs is a step on.
+
+    A step may end one sample later in one run than in the other; from there on they differ because
+    the law differs.
+    """
     ours, theirs = run.trajectory, finest.trajectory
+    count = round(until / run.scenario.run.control_period) + 1
+    apart = np.flatnonzero(ours["step"][:count] != theirs["step"][:count])
+    count = int(apart[0]) if len(apart) else count
     return max(float(np.max(np.abs(ours[n][:count] - theirs[n][:count]))) for n in STATES)
 
 
+def samples_apart(run: Run, finest: Run) -> int:
+    """Largest difference in the ends of steps, in control periods."""
+    ends = zip(run.settling_time.steps.values(), finest.settling_time.steps.values(), strict=True)
+    period = run.scenario.run.control_period
+    return max(round(abs((ours or 0.0) - (theirs or 0.0)) / period) for ours, theirs in ends)
+
+
 def plant_step_rows() -> Iterator[Sequence[str]]:
-    """Error of each plant step against the finest one, before the first settled state and after."""
+    """Error of each plant step against the finest one."""
     for name, truth in SIGNALS.items():
         finest = run_with_plant_step(truth, FINEST)
-        for step in PLANT_STEPS:
+        for step in (*PLANT_STEPS, FINEST):
             run = run_with_plant_step(truth, step)
             yield (
                 name,
                 f"{1e3 * step:g}",
                 f"{largest_difference(run, finest, until=3.0):.1e}",
-                f"{run.settling_time.total:.2f}",
+                str(samples_apart(run, finest)),
                 f"{run.metrics.residual:.2e}",
             )
-        yield (
-            name,
-            f"{1e3 * FINEST:g}",
-            "0",
-            f"{finest.settling_time.total:.2f}",
-            f"{finest.metrics.residual:.2e}",
-        )
 
 
 def period_rows() -> Iterator[Sequence[str]]:
@@ -77,7 +83,7 @@ def period_rows() -> Iterator[Sequence[str]]:
                 "corrected",
                 truth=truth,
                 control_period=period,
-                discretisation=form,  # type: ignore[arg-type]  # one of the two words
+                discretisation=form,
                 switching=Switching(tolerance=(0.02, 0.05, 0.05)),
                 duration=12.0,
             )
@@ -99,7 +105,7 @@ def print_table(head: Sequence[str], rows: Iterator[Sequence[str]]) -> None:
 def main() -> None:
     """Print both tables."""
     print_table(
-        ("signals", "plant step, ms", "largest error to 3 s", "parked at, s", "residual"),
+        ("signals", "plant step, ms", "largest error to 3 s", "steps end, samples off", "residual"),
         plant_step_rows(),
     )
     print()

@@ -1,4 +1,4 @@
-"""Defects of the published law as regressions, each beside the corrected law in the same setting."""
+"""Defects of the published law, each beside the corrected law in the same setting."""
 
 import math
 from collections.abc import Callable
@@ -155,7 +155,7 @@ def test_d7_feed_forward_makes_the_torque_robot_the_chained_one(section4: Make) 
     gaps = []
     for period in (4e-3, 2e-3, 1e-3):
         settings = {
-            "bounds": Bounds(),  # without disturbance the law has no sign terms, which would chatter
+            "bounds": Bounds(),  # no disturbance: no sign terms, which would chatter
             "truth": "undisturbed",
             "duration": 0.4,
             "control_period": period,

@@ -170,7 +170,7 @@ def test_long_lanes_end_as_the_reference_does(
     section4: Make, truths: dict[str, Truth], law: str, discretisation: str
 ) -> None:
     """Sign-based traces differ in the last bits; outcomes, times and bands do not."""
-    given = trials(section4, truths, law, duration=16.0, discretisation=discretisation)
+    given = trials(section4, truths, law, duration=13.0, discretisation=discretisation)
     lanes = simulate_ensemble(given)
     compared = []
     for i, scenario in enumerate(given):
@@ -265,7 +265,7 @@ def test_a_lane_does_not_depend_on_its_company(
 ) -> None:
     for i in (0, 1, 2, 3, 70, 149):
         assert same(simulate_ensemble([crowd[i]]), crowd_results, [i]) == []
-    in_chart = [i for i, s in enumerate(crowd) if abs(s.start.image_pose[2]) < 1.3]
+    in_chart = [i for i, s in enumerate(crowd) if abs(s.start_pose[2]) < 1.3]
     assert same(simulate_ensemble([crowd[i] for i in in_chart]), crowd_results, in_chart) == []
 
 
@@ -275,7 +275,7 @@ def test_a_lane_does_not_depend_on_the_number_of_threads(
     assert same(simulate_ensemble(crowd, threads=3), crowd_results, slice(None)) == []
 
 
-# ----------------------------------------------------------------------------------- what is refused
+# --------------------------------------------------------------------------------- what is refused
 
 
 def test_an_ensemble_of_nothing_is_refused() -> None:

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from parkproof.errors import InputError
 from parkproof.proof.conditions import Step2Gains, check_conditions, step2_parts, step3_parts
 from parkproof.proof.search import (
-    Outcome,
+    SearchOutcome,
     remark3_search,
     remark4_search,
     sequential_search,
@@ -125,7 +125,7 @@ def test_sequential_search_is_deterministic():
 @pytest.mark.parametrize("slack", [0.05, 0.6, 5.0])
 def test_remark3_never_ends_for_the_paper_bounds(q1, slack):
     result = remark3_search(q1, alpha_max=1.5, slack=slack)
-    assert result.outcome is Outcome.DOES_NOT_TERMINATE
+    assert result.outcome is SearchOutcome.DOES_NOT_TERMINATE
     assert result.found is None
     assert result.workable_l is None
     assert result.smallest_ratio > 1.0
@@ -148,7 +148,7 @@ def test_remark3_never_ends_for_the_paper_bounds(q1, slack):
 def test_remark3_agrees_with_the_printed_loop(q1, k, l, alpha_max):  # noqa: E741
     result = remark3_search(q1, alpha_max=alpha_max, slack=k, initial_l=l)
     stopped = plain_remark3(q1, l, alpha_max, k)
-    assert (result.outcome is Outcome.FEASIBLE) is (stopped is not None)
+    assert (result.outcome is SearchOutcome.FEASIBLE) is (stopped is not None)
     if result.found is not None:
         assert stopped == l
         assert all(condition.holds for condition in result.found.conditions)
@@ -166,21 +166,21 @@ def test_remark3_ends_for_a_small_alpha_and_a_fitting_first_l_only():
     assert (low, high) == pytest.approx((2.29568, 27.2355), rel=1e-5)
     for first in (1.001 * low, 4.5, 0.999 * high):
         result = remark3_search(13 / 15, alpha_max=0.01, initial_l=first)
-        assert result.outcome is Outcome.FEASIBLE
+        assert result.outcome is SearchOutcome.FEASIBLE
         assert len(result.passes) == 1
         assert all(condition.holds for condition in result.found.conditions)
     below = remark3_search(13 / 15, alpha_max=0.01, initial_l=0.5, max_passes=60)
-    assert below.outcome is Outcome.DOES_NOT_TERMINATE
+    assert below.outcome is SearchOutcome.DOES_NOT_TERMINATE
     assert below.passes[-1].l == pytest.approx(low, rel=1e-6)
     assert "never exceeds 2.29568" in below.reason
     above = remark3_search(13 / 15, alpha_max=0.01, initial_l=1.001 * high, max_passes=60)
-    assert above.outcome is Outcome.DOES_NOT_TERMINATE
+    assert above.outcome is SearchOutcome.DOES_NOT_TERMINATE
     assert "unbounded" in above.reason
     assert above.passes[-1].l > 1e3 * high
     # Here l1_bar is the larger bound: the loop lands on it, and an l1 between it and l is missing.
     stuck = remark3_search(9 / 11, alpha_max=0.01, slack=2.0)
     assert stuck.workable_l[0] == stuck.passes[-1].l == stuck.passes[-1].l1_bar
-    assert stuck.outcome is Outcome.DOES_NOT_TERMINATE
+    assert stuck.outcome is SearchOutcome.DOES_NOT_TERMINATE
 
 
 @pytest.mark.parametrize(("q1", "alpha_max"), [(13 / 15, 0.18), (0.99, 0.3), (0.75, 0.1)])
@@ -200,7 +200,7 @@ def test_some_slacks_do_work_when_the_result_says_so(q1, alpha_max):
         (first, k) for first, k in best if plain_remark3(q1, first, alpha_max, k, limit=1)
     )
     result = remark3_search(q1, alpha_max=alpha_max, slack=k, initial_l=first)
-    assert result.outcome is Outcome.FEASIBLE
+    assert result.outcome is SearchOutcome.FEASIBLE
 
 
 @pytest.mark.parametrize("q1", [0.667, 0.7, 0.8, 0.9, 0.999])

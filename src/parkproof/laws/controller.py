@@ -273,6 +273,8 @@ class Controller:
         self._advance_step(m)
         p = self.parameters
         if self._step == 0.0:
+            if self._held_in_chart:  # u0, u1 held there say nothing of v and ω near ±90°
+                m = m._replace(v=self._sent[0], omega=self._sent[1])
             theta = m.theta + p.lookahead * m.omega
             tau1, tau2 = self._inputs(*turn_channels(theta, p), m.v, m.omega, p)
         else:

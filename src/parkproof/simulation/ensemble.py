@@ -12,7 +12,7 @@ from parkproof.errors import InputError
 from parkproof.laws.parameters import law_parameters
 from parkproof.model.truth import channel
 from parkproof.scenario import Scenario
-from parkproof.simulation.lanes.buffer import BLOCK, RESULTS, Clock, LaneLimits
+from parkproof.simulation.lanes.buffer import BLOCK, LEFT_CHART, RESULTS, Clock, LaneLimits
 from parkproof.simulation.metrics import RESIDUAL_WINDOW
 from parkproof.simulation.outcome import Outcome
 from parkproof.simulation.run import HOLD, plant_steps
@@ -170,11 +170,13 @@ def _results(rows: dict[str, Floats], scenario: Scenario, clock: Clock) -> dict[
     )
     early = rows["ended"] > 0
     elapsed = np.where(early, rows["ended_at"], clock.samples * clock.period)
-    samples = np.round(elapsed / clock.period) + 1
+    # a trial that could not go on from a sample was not recorded there; one over a limit was
+    unrecorded = early & (rows["ended"] <= LEFT_CHART)
+    samples = np.maximum(np.round(elapsed / clock.period) + np.where(unrecorded, 0, 1), 1)
     ends = {f"end{i}": np.where(rows[f"end{i}"] < 0, np.nan, rows[f"end{i}"]) for i in range(4)}
     residual = np.maximum.reduce([rows["residual0"], rows["residual1"], rows["residual2"]])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        variation = {i: rows[f"variation{i}"] / elapsed for i in (1, 2)}
+    recorded = np.maximum(samples - 1, 1) * clock.period
+    variation = {i: rows[f"variation{i}"] / recorded for i in (1, 2)}
     return {
         "outcome": outcome,
         "total": np.where(outcome == Outcome.PARKED, ends["end3"], np.nan),

@@ -292,7 +292,7 @@ class Recorder:
         if self._last_step != HOLD:
             return Outcome.STILL_MOVING
         switching = self._scenario.switching
-        recent = columns["t"] >= self._ends[HOLD - 1]
+        recent = columns["t"] >= self._ends[HOLD - 1] - 1e-9  # times of steps are rounded
         _, across, along = switching.tolerance
         factor = switching.hysteresis
         inside = all(

@@ -2,7 +2,9 @@
 
 The kernel repeats the reference run of `parkproof.simulation.run` for robots of kind "chained" and
 the paper's camera. Law, switching, inputs and measurements are the functions used there; only the
-order of the loops differs. A lane's result does not depend on its place in a batch.
+order of the loops differs. A lane's result does not depend on its place in a batch or on its
+company: all lanes go through the vector loops, whose code rounds in one way, and those that are
+turning are then done again one by one.
 """
 
 import math
@@ -25,6 +27,7 @@ from parkproof.simulation.lanes.buffer import (
     ENDED,
     ENDED_AT,
     GAMMA1,
+    KEPT0,
     OLD0,
     OLD1,
     ROWS,
@@ -107,17 +110,18 @@ def kernel_of(law_name: str, *, implicit: bool) -> Callable[..., Any]:
 
     @compiled
     def switch_all(b, t, p):
-        if count(b, CHART, 0.0) == 0:
+        if count(b, CHART, 0.0) > 0:
             for j in range(BLOCK):
-                switch_lane(b, j, t, p)
-        else:
-            for j in range(BLOCK):
-                if b[CHART, j] == 0.0:
-                    turn_lane(b, j, p)
-                else:
-                    switch_lane(b, j, t, p)
+                b[KEPT0, j] = b[STEP, j]
+        for j in range(BLOCK):
+            switch_lane(b, j, t, p)
         if not turns:
             return 0
+        if count(b, CHART, 0.0) > 0:
+            for j in range(BLOCK):
+                if b[CHART, j] == 0.0:
+                    b[STEP, j] = b[KEPT0, j]
+                    turn_lane(b, j, p)
         turning = count(b, STEP, 0.0)
         fresh = 0
         for j in range(BLOCK):
@@ -148,15 +152,12 @@ def kernel_of(law_name: str, *, implicit: bool) -> Callable[..., Any]:
     def command_all(b, turning, p):
         for j in range(BLOCK):
             b[OLD0, j], b[OLD1, j] = b[TAU1, j], b[TAU2, j]
-        if turning == 0:
-            for j in range(BLOCK):
-                b[TAU1, j], b[TAU2, j] = command_in_chart(b, j, p)
-        else:
+        for j in range(BLOCK):
+            b[TAU1, j], b[TAU2, j] = command_in_chart(b, j, p)
+        if turning > 0:
             for j in range(BLOCK):
                 if b[CHART, j] == 0.0:
                     b[TAU1, j], b[TAU2, j] = command_turning(b, j, p)
-                else:
-                    b[TAU1, j], b[TAU2, j] = command_in_chart(b, j, p)
 
     @compiled
     def kernel(p, clock, limits, state, in_chart, alpha, mean, tones, adversary, out):
