@@ -267,7 +267,15 @@ def test_the_version_is_printed(capsys):
 
 
 def test_help_loads_nothing_that_takes_long():
-    heavy = {"numpy", "numba", "matplotlib", "pyarrow", "PIL", "msgspec", "parkproof.simulation.run"}
+    heavy = {
+        "numpy",
+        "numba",
+        "matplotlib",
+        "pyarrow",
+        "PIL",
+        "msgspec",
+        "parkproof.simulation.run",
+    }
     code = (
         "import sys, parkproof; assert not {'numpy', 'rich', 'cyclopts'} & set(sys.modules)\n"
         "from parkproof.cli import main; main(['--help'])\n"

@@ -7,15 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from parkproof.errors import InputError
-from parkproof.proof.conditions import (
-    Condition,
-    Form,
-    Step2Gains,
-    Step3Gains,
-    check_conditions,
-    step2_parts,
-    step3_parts,
-)
+from parkproof.proof.conditions import Condition, check_conditions, step2_parts, step3_parts
+from parkproof.proof.gains import Form, Step2Gains, Step3Gains
 
 EXPONENTS1 = [0.6667 + 0.3332 * i / 59 for i in range(60)]
 gain = st.floats(0.05, 50.0)

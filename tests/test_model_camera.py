@@ -7,13 +7,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from parkproof.errors import InputError
-from parkproof.model.camera import (
-    CeilingCamera,
-    Homography,
-    PinholeCamera,
-    homography_jacobian,
-    project_point,
-)
+from parkproof.model.camera import CeilingCamera, PinholeCamera
+from parkproof.model.homography import Homography, homography_jacobian, project_point
 from parkproof.model.unicycle import unicycle_rates
 
 positions = st.floats(-5.0, 5.0)

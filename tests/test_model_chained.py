@@ -21,7 +21,8 @@ from parkproof.model.chained import (
     input_rates,
     to_chained,
 )
-from parkproof.model.image_unicycle import goal_homography, image_gain_rates, image_of
+from parkproof.model.goal_frame import goal_homography
+from parkproof.model.image_unicycle import image_gain_rates, image_of
 from parkproof.model.unicycle import Pose, Velocity, unicycle_rates
 
 numbers = st.floats(-100.0, 100.0)

@@ -9,15 +9,10 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from parkproof.errors import InputError
-from parkproof.model.camera import CeilingCamera, Homography, PinholeCamera
-from parkproof.model.image_unicycle import (
-    gain_bounds,
-    goal_homography,
-    goal_similarity,
-    image_gain_rates,
-    image_gains,
-    image_of,
-)
+from parkproof.model.camera import CeilingCamera, PinholeCamera
+from parkproof.model.goal_frame import gain_bounds, goal_homography, goal_similarity
+from parkproof.model.homography import Homography
+from parkproof.model.image_unicycle import image_gain_rates, image_gains, image_of
 from parkproof.model.unicycle import Pose, unicycle_rates, wrap_angle
 
 small = st.floats(-0.3, 0.3)

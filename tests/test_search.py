@@ -5,13 +5,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from parkproof.errors import InputError
-from parkproof.proof.conditions import Step2Gains, check_conditions, step2_parts, step3_parts
-from parkproof.proof.search import (
-    SearchOutcome,
-    remark3_search,
-    remark4_search,
-    sequential_search,
-)
+from parkproof.proof.conditions import check_conditions, step2_parts, step3_parts
+from parkproof.proof.gains import Step2Gains
+from parkproof.proof.remark3 import SearchOutcome, remark3_search
+from parkproof.proof.search import remark4_search, sequential_search
 
 q1s = st.floats(0.67, 0.999)
 slacks = st.tuples(*[st.floats(1e-2, 1e2)] * 6)

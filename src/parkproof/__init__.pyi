@@ -13,11 +13,8 @@ from .laws.controller import (
 )
 from .laws.gains import Gains as Gains, Switching as Switching
 from .laws.robustify import robustify as robustify
-from .model.camera import (
-    CeilingCamera as CeilingCamera,
-    Homography as Homography,
-    PinholeCamera as PinholeCamera,
-)
+from .model.camera import CeilingCamera as CeilingCamera, PinholeCamera as PinholeCamera
+from .model.homography import Homography as Homography
 from .model.chained import (
     ChainedState as ChainedState,
     from_chained as from_chained,
@@ -34,21 +31,15 @@ from .model.signals import (
 )
 from .model.truth import Truth as Truth
 from .model.unicycle import Pose as Pose, Velocity as Velocity
-from .proof.conditions import (
-    Step2Gains as Step2Gains,
-    Step3Gains as Step3Gains,
-    check_conditions as check_conditions,
-)
+from .proof.conditions import check_conditions as check_conditions
+from .proof.gains import Step2Gains as Step2Gains, Step3Gains as Step3Gains
 from .proof.lyapunov import (
     settling_bound as settling_bound,
     step2_lyapunov as step2_lyapunov,
     step3_lyapunov as step3_lyapunov,
 )
-from .proof.search import (
-    remark3_search as remark3_search,
-    remark4_search as remark4_search,
-    sequential_search as sequential_search,
-)
+from .proof.remark3 import remark3_search as remark3_search
+from .proof.search import remark4_search as remark4_search, sequential_search as sequential_search
 from .proof.sphere import worst_ratio as worst_ratio
 from .report.animation import animation as animation
 from .report.figures import paper_figures as paper_figures, plot as plot

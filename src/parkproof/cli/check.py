@@ -86,7 +86,8 @@ def check(
 
 def _evaluate(given: "GainsFile") -> tuple["Forms", "Forms"]:
     """The conditions of Step 2 and of Step 3, each in both forms."""
-    from parkproof.proof.conditions import Form, Step2Gains, Step3Gains, check_conditions
+    from parkproof.proof.conditions import check_conditions
+    from parkproof.proof.gains import Form, Step2Gains, Step3Gains
 
     l1, l2, l3 = given.gains.l
     k1, k2 = given.weights.k

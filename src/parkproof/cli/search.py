@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 if TYPE_CHECKING:
-    from parkproof.proof.search import Remark3Result, Step2Found, Step3Found
+    from parkproof.proof.remark3 import Remark3Result
+    from parkproof.proof.search import Step2Found, Step3Found
     from parkproof.validate import Ratio
 
 
@@ -64,7 +65,8 @@ def search(
     0
     """
     from parkproof.laws.gains import exponent
-    from parkproof.proof.search import remark3_search, remark4_search, sequential_search
+    from parkproof.proof.remark3 import remark3_search
+    from parkproof.proof.search import remark4_search, sequential_search
 
     step2 = exponent("q1", q1, 2.0 / 3.0, "2/3")
     step3 = exponent("q2", q2, 0.5, "1/2")

@@ -9,91 +9,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from parkproof.errors import InputError
+from parkproof.model.homography import Homography, numbers
 from parkproof.scalar import cosine, scalar, sine
 from parkproof.validate import finite, positive
-
-Nine = tuple[float, float, float, float, float, float, float, float, float]
-"""A 3 × 3 matrix, row by row."""
-
-_SINGULAR = 1e-13
-"""A determinant below this share of the sum of its terms' sizes is rounding."""
-
-
-@scalar
-def project_point(
-    h00: float,
-    h01: float,
-    h02: float,
-    h10: float,
-    h11: float,
-    h12: float,
-    h20: float,
-    h21: float,
-    h22: float,
-    x: float,
-    y: float,
-) -> tuple[float, float, float]:
-    """Image of a point under a homography.
-
-    Parameters
-    ----------
-    h00, h01, h02, h10, h11, h12, h20, h21, h22 : float
-        The homography, row by row.
-    x, y : float
-        The point.
-
-    Returns
-    -------
-    tuple of float
-        (X, Y, w): the image, and the point's homogeneous depth w3 = h20 x + h21 y + h22, positive
-        in front of the camera.
-
-    Examples
-    --------
-    >>> from parkproof.model.camera import project_point
-    >>> project_point(2.0, 0.0, 1.0, 0.0, 2.0, 0.0, 0.0, 0.5, 1.0, 1.0, 2.0)
-    (1.5, 2.0, 2.0)
-    """
-    w = h20 * x + h21 * y + h22
-    return (h00 * x + h01 * y + h02) / w, (h10 * x + h11 * y + h12) / w, w
-
-
-@scalar
-def homography_jacobian(
-    h00: float,
-    h01: float,
-    h02: float,
-    h10: float,
-    h11: float,
-    h12: float,
-    h20: float,
-    h21: float,
-    h22: float,
-    x: float,
-    y: float,
-) -> tuple[float, float, float, float]:
-    """Jacobian of a homography at a point: (first two rows − image ⊗ third row)/w3.
-
-    Parameters
-    ----------
-    h00, h01, h02, h10, h11, h12, h20, h21, h22 : float
-        The homography, row by row.
-    x, y : float
-        The point, not on the horizon (w3 ≠ 0).
-
-    Returns
-    -------
-    tuple of float
-        (∂X/∂x, ∂X/∂y, ∂Y/∂x, ∂Y/∂y).
-
-    Examples
-    --------
-    >>> from parkproof.model.camera import homography_jacobian
-    >>> homography_jacobian(2.0, 0.0, 1.0, 0.0, 2.0, 0.0, 0.0, 0.5, 1.0, 1.0, 2.0)
-    (1.0, -0.375, 0.0, 0.5)
-    """
-    X, Y, w = project_point(h00, h01, h02, h10, h11, h12, h20, h21, h22, x, y)
-    return (h00 - X * h20) / w, (h01 - X * h21) / w, (h10 - Y * h20) / w, (h11 - Y * h21) / w
 
 
 @scalar
@@ -123,143 +41,6 @@ def ceiling_rates(
     (3.0, 0.0, 0.1)
     """
     return alpha1 * v * cosine(theta - theta0), alpha2 * v * sine(theta - theta0), omega
-
-
-def _numbers(name: str, values: Sequence[float], count: int) -> tuple[float, ...]:
-    """Return `count` finite numbers as a tuple, or refuse them by name."""
-    if len(values) != count:
-        raise InputError(
-            f"{name} = {tuple(values)}: must be {count} numbers, not {len(values)}; "
-            f"write {name} = ({', '.join(['...'] * count)})"
-        )
-    return tuple(finite(name, value) for value in values)
-
-
-@dataclass(frozen=True, slots=True)
-class Homography:
-    """An invertible projective map of planes, (x, y) ↦ (X, Y).
-
-    Parameters
-    ----------
-    entries : sequence of float, length 9
-        The 3 × 3 matrix, row by row, with the sign that makes w3 > 0 in front of the camera.
-
-    Raises
-    ------
-    InputError
-        If the entries are not nine finite numbers or the matrix is singular.
-
-    Examples
-    --------
-    >>> from parkproof.model.camera import Homography
-    >>> camera = Homography((2.0, 0.0, 1.0, 0.0, 2.0, 0.0, 0.0, 0.5, 1.0))
-    >>> camera.project(1.0, 2.0)
-    (1.5, 2.0)
-    >>> camera.inverse().project(1.5, 2.0)
-    (1.0, 2.0)
-    >>> Homography((1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0))
-    Traceback (most recent call last):
-    ...
-    parkproof.errors.InputError: homography: the matrix is singular ...
-    """
-
-    entries: Nine
-
-    def __post_init__(self) -> None:
-        entries = _numbers("homography", self.entries, 9)
-        object.__setattr__(self, "entries", entries)
-        if not abs(self.determinant) > _SINGULAR * sum(map(abs, self._terms())):
-            raise InputError(
-                f"homography: the matrix is singular (determinant {self.determinant:.3g}), it must "
-                "map the floor to a plane; give one made from four points, no three on a line"
-            )
-
-    def _terms(self) -> tuple[float, ...]:
-        """Return the six terms of the determinant."""
-        a, b, c, d, e, f, g, h, i = self.entries
-        return a * e * i, b * f * g, c * d * h, -c * e * g, -b * d * i, -a * f * h
-
-    @property
-    def determinant(self) -> float:
-        """Determinant of the matrix; its sign is the image's handedness where w3 > 0."""
-        return sum(self._terms())
-
-    def project(self, x: float, y: float) -> tuple[float, float]:
-        """Image of a point.
-
-        Parameters
-        ----------
-        x, y : float
-            A point in front of the camera, w3 > 0.
-
-        Returns
-        -------
-        tuple of float
-            (X, Y).
-
-        Raises
-        ------
-        InputError
-            If the point is not finite, or lies on the horizon or behind the camera.
-        """
-        x, y = finite("x", x), finite("y", y)
-        depth = self.depth(x, y)
-        if not depth > 0.0:
-            raise InputError(
-                f"point ({x:.6g}, {y:.6g}): lies behind the camera (w3 = {depth:.3g}), must lie in "
-                "front (w3 > 0); choose a point in view, or turn the camera towards it"
-            )
-        X, Y, _ = project_point(*self.entries, x, y)
-        return X, Y
-
-    def depth(self, x: float, y: float) -> float:
-        """Homogeneous depth w3 of a point: positive in front of the camera.
-
-        Parameters
-        ----------
-        x, y : float
-            The point.
-
-        Returns
-        -------
-        float
-            h20 x + h21 y + h22.
-        """
-        return self.entries[6] * x + self.entries[7] * y + self.entries[8]
-
-    def inverse(self) -> "Homography":
-        """Return the map from image to floor, with w3 > 0 where this one has it.
-
-        Returns
-        -------
-        Homography
-            The inverse matrix.
-        """
-        a, b, c, d, e, f, g, h, i = self.entries
-        det = self.determinant
-        return Homography(
-            (
-                (e * i - f * h) / det,
-                (c * h - b * i) / det,
-                (b * f - c * e) / det,
-                (f * g - d * i) / det,
-                (a * i - c * g) / det,
-                (c * d - a * f) / det,
-                (d * h - e * g) / det,
-                (b * g - a * h) / det,
-                (a * e - b * d) / det,
-            )
-        )
-
-    def __matmul__(self, first: "Homography") -> "Homography":
-        """Compose: ``(self @ first).project(x, y) == self.project(*first.project(x, y))``."""
-        rows, m = self.entries, first.entries
-        a, b, c, d, e, f, g, h, i = (
-            sum(rows[3 * row + k] * m[3 * k + column] for k in range(3))
-            for row in range(3)
-            for column in range(3)
-        )
-        return Homography((a, b, c, d, e, f, g, h, i))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -302,10 +83,10 @@ class CeilingCamera:
 
     def __post_init__(self) -> None:
         finite("theta0", self.theta0)
-        for alpha in _numbers("alpha", self.alpha, 2):
+        for alpha in numbers("alpha", self.alpha, 2):
             positive("alpha", alpha)
-        _numbers("centre", self.centre, 2)
-        _numbers("image_origin", self.image_origin, 2)
+        numbers("centre", self.centre, 2)
+        numbers("image_origin", self.image_origin, 2)
 
     def project(self, x: float, y: float) -> tuple[float, float]:
         """Image of a floor point, equation (2).
@@ -448,20 +229,20 @@ class PinholeCamera:
     principal_point: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        _numbers("position", self.position, 2)
+        numbers("position", self.position, 2)
         positive("height", self.height, example=2.5)
         positive("focal_length", self.focal_length, example=600.0)
         positive("aspect", self.aspect)
         for name in ("tilt", "roll", "pan", "skew"):
             finite(name, getattr(self, name))
-        width, height = _numbers("image_size", self.image_size, 2)
+        width, height = numbers("image_size", self.image_size, 2)
         if not min(width, height) >= 1.0:
             raise InputError(
                 f"image_size = {tuple(self.image_size)}: width and height must be at least 1 px; "
                 "write for example image_size = (640, 480)"
             )
         if self.principal_point is not None:
-            _numbers("principal_point", self.principal_point, 2)
+            numbers("principal_point", self.principal_point, 2)
         if not abs(self.tilt) < 0.5 * math.pi:
             raise InputError(
                 f"tilt = {self.tilt:.6g} rad ({math.degrees(self.tilt):.6g}°): the optical axis "

@@ -12,14 +12,10 @@ from functools import cached_property
 import msgspec
 
 from parkproof.errors import InputError
-from parkproof.model.camera import Homography, PinholeCamera
-from parkproof.model.image_unicycle import (
-    GainBounds,
-    gain_bounds,
-    goal_homography,
-    image_gains,
-    image_of,
-)
+from parkproof.model.camera import PinholeCamera
+from parkproof.model.goal_frame import GainBounds, gain_bounds, goal_homography
+from parkproof.model.homography import Homography
+from parkproof.model.image_unicycle import image_gains, image_of
 from parkproof.model.unicycle import Pose
 from parkproof.validate import finite, positive
 

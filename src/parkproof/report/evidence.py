@@ -13,16 +13,11 @@ from parkproof.laws.parameters import Discretisation
 from parkproof.model.signals import Adversary, Constant
 from parkproof.model.truth import Truth
 from parkproof.paper_example import BOUNDS, GAINS, SIGNALS, SWITCH_OF_FIGURES, WEIGHTS, section4
-from parkproof.proof.conditions import Condition, Step2Gains, Step3Gains, check_conditions
+from parkproof.proof.conditions import Condition, check_conditions
+from parkproof.proof.gains import Step2Gains, Step3Gains
 from parkproof.proof.lyapunov import settling_bound, step2_lyapunov
-from parkproof.proof.search import (
-    Remark3Result,
-    Step2Found,
-    Step3Found,
-    remark3_search,
-    remark4_search,
-    sequential_search,
-)
+from parkproof.proof.remark3 import Remark3Result, remark3_search
+from parkproof.proof.search import Step2Found, Step3Found, remark4_search, sequential_search
 from parkproof.proof.sphere import worst_ratio
 from parkproof.scenario import Start
 from parkproof.simulation.run import Run, simulate

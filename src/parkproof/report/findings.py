@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from parkproof.paper_example import BOUNDS, GAINS, WEIGHTS
-from parkproof.proof.conditions import Step2Gains, Step3Gains, check_conditions
+from parkproof.proof.conditions import check_conditions
+from parkproof.proof.gains import Step2Gains, Step3Gains
 from parkproof.report.evidence import EXPONENTS, SMALL_GAINS, Evidence
 from parkproof.report.style import (
     AMBER,
