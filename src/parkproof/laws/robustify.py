@@ -48,7 +48,7 @@ def implicit_end(
     Solves w + κ·(gain·⌈⌈w⌋^power + offset⌋^outer + φ̄·Sgn) ∋ u with the set-valued sign of the
     same argument. If the sign term alone reaches the surface, w lies on it exactly. Otherwise w
     lies on the side of u, where the left-hand side is increasing, and is found by six steps of
-    regula falsi (the Illinois form), to about 3e-5 of the move at worst.
+    regula falsi (the Illinois form), typically to 1e-5 of the move and at worst to 1e-3.
 
     Parameters
     ----------

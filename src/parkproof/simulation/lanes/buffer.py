@@ -17,7 +17,7 @@ ROWS = (
     "excursion2", "path", "x2_max",
     # working values
     "chart", "tau1", "tau2", "old0", "old1", "step_before",
-    "kept0", "kept1", "kept2", "kept3", "kept4", "kept5",
+    "kept",
     "gamma1", "gamma2", "phi1", "phi2",
     "gamma1_mid", "gamma2_mid", "phi1_mid", "phi2_mid",
     "gamma1_end", "gamma2_end", "phi1_end", "phi2_end",
@@ -36,7 +36,7 @@ largest error since holding began, ``excursion2`` the excursion squared."""
     PEAK1, PEAK2, SQUARE1, SQUARE2, VARIATION1, VARIATION2,
     EXCURSION2, PATH, X2_MAX,
     CHART, TAU1, TAU2, OLD0, OLD1, STEP_BEFORE,
-    KEPT0, KEPT1, KEPT2, KEPT3, KEPT4, KEPT5,
+    KEPT,
     GAMMA1, GAMMA2, PHI1, PHI2,
     GAMMA1_MID, GAMMA2_MID, PHI1_MID, PHI2_MID,
     GAMMA1_END, GAMMA2_END, PHI1_END, PHI2_END,

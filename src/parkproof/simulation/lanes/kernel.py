@@ -27,7 +27,7 @@ from parkproof.simulation.lanes.buffer import (
     ENDED,
     ENDED_AT,
     GAMMA1,
-    KEPT0,
+    KEPT,
     OLD0,
     OLD1,
     ROWS,
@@ -112,7 +112,7 @@ def kernel_of(law_name: str, *, implicit: bool) -> Callable[..., Any]:
     def switch_all(b, t, p):
         if count(b, CHART, 0.0) > 0:
             for j in range(BLOCK):
-                b[KEPT0, j] = b[STEP, j]
+                b[KEPT, j] = b[STEP, j]
         for j in range(BLOCK):
             switch_lane(b, j, t, p)
         if not turns:
@@ -120,7 +120,7 @@ def kernel_of(law_name: str, *, implicit: bool) -> Callable[..., Any]:
         if count(b, CHART, 0.0) > 0:
             for j in range(BLOCK):
                 if b[CHART, j] == 0.0:
-                    b[STEP, j] = b[KEPT0, j]
+                    b[STEP, j] = b[KEPT, j]
                     turn_lane(b, j, p)
         turning = count(b, STEP, 0.0)
         fresh = 0

@@ -17,12 +17,6 @@ from parkproof.simulation.lanes.buffer import (
     GAMMA1,
     GAMMA1_END,
     GAMMA1_MID,
-    KEPT0,
-    KEPT1,
-    KEPT2,
-    KEPT3,
-    KEPT4,
-    KEPT5,
     PATH,
     S0,
     S1,
@@ -80,7 +74,7 @@ def rates(b, j, row, adversary1, adversary2):
 
 @inlined
 def advance_lane(b, j, alpha, adversary, h, in_chart):
-    """Move a lane by one integration step, and note in KEPT how it moved."""
+    """Move a lane by one integration step, if it is still running and in these coordinates."""
     a1, a2 = rates(b, j, GAMMA1, adversary[0, j], adversary[1, j])
     m1, m2 = rates(b, j, GAMMA1_MID, adversary[0, j], adversary[1, j])
     e1, e2 = rates(b, j, GAMMA1_END, adversary[0, j], adversary[1, j])
@@ -91,8 +85,13 @@ def advance_lane(b, j, alpha, adversary, h, in_chart):
     else:
         n0, n1, n2, n3, n4 = turning_step(s0, s1, s2, s3, s4, g0, g1, a1, m1, e1, a2, m2, e2, h)
     moved = math.sqrt((n0 - s0) * (n0 - s0) + (n1 - s1) * (n1 - s1))
-    b[KEPT0, j], b[KEPT1, j], b[KEPT2, j] = n0, n1, n2
-    b[KEPT3, j], b[KEPT4, j], b[KEPT5, j] = n3, n4, moved
+    moves = b[ENDED, j] == 0.0 and b[CHART, j] == (1.0 if in_chart else 0.0)
+    b[PATH, j] += moved if moves else 0.0
+    b[S0, j] = n0 if moves else s0
+    b[S1, j] = n1 if moves else s1
+    b[S2, j] = n2 if moves else s2
+    b[S3, j] = n3 if moves else s3
+    b[S4, j] = n4 if moves else s4
 
 
 @compiled
@@ -105,12 +104,7 @@ def advance_all(b, turning, alpha, mean, tones, adversary, t, h, steps):
             advance_lane(b, j, alpha, adversary, part, True)
         if turning > 0:
             for j in range(BLOCK):
-                if b[CHART, j] == 0.0:
-                    advance_lane(b, j, alpha, adversary, part, False)
-        for j in range(BLOCK):
-            live = b[ENDED, j] == 0.0
-            b[PATH, j] += b[KEPT5, j] if live else 0.0
-            for k in range(5):
-                b[S0 + k, j] = b[KEPT0 + k, j] if live else b[S0 + k, j]
-            for k in range(4):
+                advance_lane(b, j, alpha, adversary, part, False)
+        for k in range(4):
+            for j in range(BLOCK):
                 b[GAMMA1 + k, j] = b[GAMMA1_END + k, j]
