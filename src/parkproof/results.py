@@ -228,7 +228,7 @@ def write_summary(run: "Run", path: Path | str) -> None:
 
     Examples
     --------
-    >>> write_summary(run, directory / "summary.json")  # doctest: +SKIP
+    >>> write_summary(run, directory / "summary.json")
     """
     text = msgspec.json.format(msgspec.json.encode(summary_of(run)), indent=2)
     Path(path).write_bytes(text + b"\n")
@@ -263,7 +263,7 @@ def write_trajectory(run: "Run", path: Path | str) -> None:
 
     Examples
     --------
-    >>> write_trajectory(run, directory / "trajectory.parquet")  # doctest: +SKIP
+    >>> write_trajectory(run, directory / "trajectory.parquet")
     """
     import pyarrow as pa
     from pyarrow import parquet
@@ -313,7 +313,9 @@ def read_trajectory(path: Path | str) -> "dict[str, NDArray[np.float64]]":
 
     Examples
     --------
-    >>> columns = read_trajectory("out/trajectory.parquet")  # doctest: +SKIP
+    >>> write_trajectory(run, directory / "trajectory.parquet")
+    >>> len(read_trajectory(directory / "trajectory.parquet")["t"])
+    1201
     """
     import pyarrow as pa
     from pyarrow import parquet

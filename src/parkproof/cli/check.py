@@ -56,7 +56,8 @@ def check(
 
     Examples
     --------
-    >>> check(Path("gains.toml"), check_holds=True)  # doctest: +SKIP
+    >>> check(Path("gains.toml"), check_holds=True)
+    Section 4...
     1
     """
     from parkproof.cli.conditions_table import all_hold, as_data

@@ -112,12 +112,7 @@ def why_not(error: OSError) -> str:
 
 
 def discard_output() -> None:
-    """Throw away what is still to be written to standard output, where nothing can be written.
-
-    Examples
-    --------
-    >>> discard_output()  # doctest: +SKIP
-    """
+    """Throw away what is still to be written to standard output, where nothing can be written."""
     with contextlib.suppress(OSError, ValueError):  # a standard output that is no file
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, sys.stdout.fileno())

@@ -55,7 +55,8 @@ def park(
 
     Examples
     --------
-    >>> park(Path("scenario.toml"), settings=["run.duration=10"], check=True)  # doctest: +SKIP
+    >>> park(Path("scenario.toml"), settings=["run.duration=10"], check=True, no_pictures=True)
+    Section 4...parked...
     0
     """
     from parkproof.cli.console import print_files, progress, stdout_console, write

@@ -40,8 +40,10 @@ def reproduce(
 
     Examples
     --------
-    >>> reproduce(out=Path("reproduction"), law="both")  # doctest: +SKIP
-    0
+    >>> reproduce(out=Path(), law="both", overwrite=True)
+    Traceback (most recent call last):
+    ...
+    parkproof.errors.InputError: ...
     """
     from parkproof.cli.console import progress, stdout_console
     from parkproof.output import output_directory

@@ -25,7 +25,7 @@ def print_run(console: "Console", run: "Run") -> None:
 
     Examples
     --------
-    >>> print_run(console, run)  # doctest: +SKIP
+    >>> print_run(console, run)
     """
     summary = summary_of(run)
     console.print(f"{summary['title'] or 'Untitled run'} ({summary['law']} law)", style="bold")

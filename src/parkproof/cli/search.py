@@ -61,7 +61,8 @@ def search(
 
     Examples
     --------
-    >>> search(q1="13/15", form="sharp")  # doctest: +SKIP
+    >>> search(q1="13/15", form="sharp")
+    Remark 3 as printed...does not terminate...
     0
     """
     from parkproof.laws.gains import exponent

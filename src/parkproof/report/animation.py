@@ -53,7 +53,9 @@ def animation(run: "Run", path: Path | str, *, seconds: float = 8.0, fps: int = 
 
     Examples
     --------
-    >>> animation(run, directory / "run.gif")  # doctest: +SKIP
+    >>> animation(run, directory / "run.gif", seconds=1.0)
+    >>> (directory / "run.gif").read_bytes()[:3]
+    b'GIF'
     """
     with drawing():
         frames = _frames(run, max(2, round(seconds * fps)))

@@ -100,7 +100,8 @@ def claims_of(evidence: Evidence) -> list[Claim]:
 
     Examples
     --------
-    >>> claims_of(evidence)  # doctest: +SKIP
+    >>> claims_of(evidence)[0].verdict
+    <Verdict.FAILS: 'fails'>
     """
     return [
         *_of_the_model(evidence),

@@ -282,7 +282,9 @@ def gather(
 
     Examples
     --------
-    >>> gather(figure_runs(("published", "corrected")))  # doctest: +SKIP
+    >>> evidence = gather(figure_runs(LAWS))
+    >>> [entry.tolerance for entry in evidence.redivergence]
+    [0.01, 0.001, 0.0001]
     """
     l1, l2, l3 = GAINS.l
     q1, q2 = GAINS.exponents[1], GAINS.exponents[2]

@@ -85,7 +85,8 @@ def paper_figures(run: "Run", directory: Path | str, *, until: float | None = No
 
     Examples
     --------
-    >>> paper_figures(run, directory)  # doctest: +SKIP
+    >>> len(paper_figures(run, directory))
+    12
     """
     files = []
     for number, (columns, label) in FIGURES.items():
@@ -147,7 +148,9 @@ def draw_step_strip(axes: "Axes", run: "Run", *, until: float | None = None) -> 
 
     Examples
     --------
-    >>> draw_step_strip(axes, run)  # doctest: +SKIP
+    >>> draw_step_strip(axes, run)
+    >>> len(axes.patches)
+    5
     """
     t = run.trajectory["t"]
     for step, first, last in stretches_of_steps(run.trajectory["step"]):
@@ -191,7 +194,8 @@ def draw_states(
 
     Examples
     --------
-    >>> draw_states(axes, run, ("x0", "u0"))  # doctest: +SKIP
+    >>> draw_states(axes, run, ("x0", "u0"))
+    []
     """
     t = run.trajectory["t"]
     shown = t <= (until or t[-1])
@@ -229,7 +233,8 @@ def draw_inputs(
 
     Examples
     --------
-    >>> draw_inputs(axes, run, ("tau1",))  # doctest: +SKIP
+    >>> draw_inputs(axes, run, ("tau1",))
+    []
     """
     t = run.trajectory["t"]
     shown = t <= (until or t[-1])
@@ -314,7 +319,9 @@ def plot(run: "Run", path: Path | str | None = None) -> "Figure":
 
     Examples
     --------
-    >>> figure = plot(run, "run.png")  # doctest: +SKIP
+    >>> figure = plot(run, "run.png")
+    >>> len(figure.axes)
+    5
     """
     until = time_of_interest(run)
     with drawing():

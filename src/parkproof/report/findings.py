@@ -241,7 +241,8 @@ def draw_findings(evidence: Evidence, directory: Path) -> list[Path]:
 
     Examples
     --------
-    >>> draw_findings(evidence, directory)  # doctest: +SKIP
+    >>> draw_findings(evidence, directory)[0].name
+    'redivergence.png'
     """
     files = []
     for name, (_, draw) in FINDINGS.items():

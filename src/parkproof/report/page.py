@@ -182,7 +182,17 @@ def write_page(
 
     Examples
     --------
-    >>> write_page(path, runs=runs, claims=claims, evidence=evidence)  # doctest: +SKIP
+    >>> from parkproof.report.figures import paper_figures
+    >>> from parkproof.report.findings import draw_findings
+    >>> for name in runs:
+    ...     (directory / name).mkdir()
+    ...     _ = paper_figures(runs[name], directory / name)
+    >>> (directory / "findings").mkdir()
+    >>> _ = draw_findings(evidence, directory / "findings")
+    >>> path = directory / "index.html"
+    >>> write_page(path, runs=runs, claims=claims, evidence=evidence)
+    >>> "What was found" in path.read_text(encoding="utf-8")
+    True
     """
     text = _PAGE.substitute(
         version=__version__,

@@ -75,7 +75,9 @@ def draw_robot(
 
     Examples
     --------
-    >>> parts = draw_robot(axes, (0, 0, 0), length=0.2, colour="k")  # doctest: +SKIP
+    >>> parts = draw_robot(axes, (0, 0, 0), length=0.2, colour="#0072b2")
+    >>> len(parts) > 3
+    True
     """
     if ghost:
         looks: list[tuple[Outline, dict[str, Any]]] = [
@@ -117,7 +119,8 @@ def place_robot(
 
     Examples
     --------
-    >>> place_robot(axes, parts, (1.0, 0.0, 0.0), length=0.2)  # doctest: +SKIP
+    >>> parts = draw_robot(axes, (0, 0, 0), length=0.2, colour="#0072b2")
+    >>> place_robot(axes, parts, (1.0, 0.0, 0.0), length=0.2)
     """
     x, y, theta = pose
     place = Affine2D().scale(length).rotate(theta).translate(x, y) + axes.transData

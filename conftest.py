@@ -1,0 +1,57 @@
+"""What the examples in docstrings may use without making it: a run, a figure, a directory."""
+
+from functools import cache
+
+import pytest
+
+
+@cache
+def _run():
+    from parkproof.scenario import RunSettings, Scenario, Start
+    from parkproof.simulation.run import simulate
+
+    settings = RunSettings(duration=12.0, control_period=0.01, discretisation="implicit")
+    start = Start(pose=(-1.0, 0.3, 2.0))
+    return simulate(Scenario(title="Example", law="corrected", start=start, run=settings))
+
+
+@cache
+def _evidence():
+    from parkproof.report.evidence import figure_runs, gather
+
+    return gather(figure_runs(("published", "corrected")))
+
+
+@pytest.fixture(autouse=True)
+def _names_of_examples(request, monkeypatch, tmp_path):
+    """Give doctests their names, only those they use, and a directory of their own to write in."""
+    if not isinstance(request.node, pytest.DoctestItem):
+        return
+    names = request.getfixturevalue("doctest_namespace")
+    text = request.node.dtest.docstring or ""
+    monkeypatch.chdir(tmp_path)
+    names["directory"] = tmp_path
+    if "run)" in text or "run," in text or "run." in text:
+        names["run"] = _run()
+    if "axes" in text or "figure" in text:
+        from parkproof.report.style import new_figure
+
+        names["figure"] = new_figure(6.4, 4.0)
+        names["axes"] = names["figure"].add_subplot()
+    if "console" in text:
+        import io
+
+        from rich.console import Console
+
+        names["console"] = Console(file=io.StringIO())
+    if ".toml" in text:
+        from parkproof.scenario_file import template
+
+        for name in ("gains.toml", "scenario.toml"):
+            (tmp_path / name).write_text(template("corrected"), encoding="utf-8")
+    if "evidence" in text:
+        from parkproof.report.claims import claims_of
+
+        names["evidence"] = _evidence()
+        names["runs"] = _evidence().figures
+        names["claims"] = claims_of(_evidence())
