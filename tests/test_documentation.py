@@ -358,7 +358,7 @@ def tracked_files() -> Iterator[Path]:
 
 def test_no_file_names_a_download_host_or_a_place_on_a_machine() -> None:
     forbidden = re.compile(
-        r"https?://\S*/simple\b|https?://\S+\.(?:whl|tar\.gz|tgz|deb)\b|index-url"
+        r"https?://\S*/simple\b|https?://\S+\.(?:whl|tar\.gz|tgz|deb)\b|index[-]url"
         r"|(?<![\w.:/])/(?:home|root|work|Users|mnt)/\w"
     )
     for path in tracked_files():

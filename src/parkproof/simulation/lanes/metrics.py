@@ -53,6 +53,7 @@ inlined = numba.njit(forceinline=True, **OPTIONS)
 
 @inlined
 def count(b, row, value):
+    """Count the lanes with a given value in a row."""
     found = 0
     for j in range(BLOCK):
         found += 1 if b[row, j] == value else 0

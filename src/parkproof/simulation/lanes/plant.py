@@ -38,6 +38,7 @@ inlined = numba.njit(forceinline=True, **OPTIONS)
 
 @compiled
 def fill_signals(b, mean, tones, t, row):
+    """Write γ1, γ2, φ1, φ2 at time t into four rows."""
     for i in range(4):
         for j in range(BLOCK):
             b[row + i, j] = mean[i, j]
@@ -54,6 +55,7 @@ def fill_signals(b, mean, tones, t, row):
 
 @inlined
 def change_coordinates(b, j):
+    """Enter or leave the chart, as the step of a lane asks."""
     if b[STEP, j] >= 1.0 and b[CHART, j] == 0.0:
         x2 = math.tan(b[S2, j])
         u0, u1 = chained_inputs(b[S3, j], b[S4, j], x2)
@@ -66,6 +68,7 @@ def change_coordinates(b, j):
 
 @inlined
 def rates(b, j, row, adversary1, adversary2):
+    """Rates γτ + φ of both channels, with the signals of four rows."""
     tau1, tau2 = b[TAU1, j], b[TAU2, j]
     phi1 = -adversary1 * sign(tau1) if adversary1 > 0.0 else b[row + 2, j]
     phi2 = -adversary2 * sign(tau2) if adversary2 > 0.0 else b[row + 3, j]
@@ -96,6 +99,7 @@ def advance_lane(b, j, alpha, adversary, h, in_chart):
 
 @compiled
 def advance_all(b, turning, alpha, mean, tones, adversary, t, h, steps):
+    """Move all lanes by one control period."""
     part = h / steps
     for i in range(steps):
         fill_signals(b, mean, tones, t + i * part + 0.5 * part, GAMMA1_MID)
