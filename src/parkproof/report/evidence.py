@@ -47,8 +47,8 @@ OTHER_WEIGHTS = {
 SMALL_GAINS = Gains(q1="13/15", l=(0.67, 1.09, 3.9))
 SMALL_WEIGHTS = (0.245, 0.172)
 PERIODS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.033)
-PLANT_STEPS = (1e-3, 5e-4, 2.5e-4)
-FINEST_PLANT_STEP = 1.25e-4
+PLANT_STEPS = (1e-3, 5e-4)
+FINEST_PLANT_STEP = 2.5e-4
 
 
 @dataclass(frozen=True, kw_only=True)

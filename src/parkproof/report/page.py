@@ -156,7 +156,7 @@ def _findings(evidence: Evidence, directory: Path) -> str:
         f'<h2>What was found</h2><div class="pairs">{"".join(images)}</div>'
         "<p>The plant is integrated by the classical Runge-Kutta method, in steps of at most 1 ms "
         "(0.2 ms where a signal jumps). Largest difference of any state in the first 3 s from a "
-        f"run with steps of 0.125 ms: {errors}.</p>"
+        f"run with steps of 0.25 ms: {errors}.</p>"
     )
 
 

@@ -211,6 +211,7 @@ class Plant:
             first, second = command.speed, command.turn_rate
         self._first, self._second = first, second
         self._tau = (command.tau1, command.tau2)
+        self._rates_at = math.nan  # the command is new
         state = self._state
         part = h / steps
         for i in range(steps):
@@ -231,43 +232,35 @@ class Plant:
             self._state = (a, b, math.atan(c), *body_inputs(d, e, c))
         self._in_chart = wanted
 
+    def _input_rates(self, t: float) -> tuple[float, float]:
+        """Rates of both channels' last states; they are asked for twice in the middle of a step."""
+        if t != self._rates_at:
+            one, two = self._channels
+            self._rates_at = t
+            self._rates = (
+                channel_rate(one, self._first, t, self._tau[0]),
+                channel_rate(two, self._second, t, self._tau[1]),
+            )
+        return self._rates
+
     def _chained_rates(self, t: float, state: State) -> State:
         x0, x1, x2, u0, u1 = state
         c = 1.0 / math.sqrt(1.0 + x2 * x2)
         g0, g1, _ = self._image_gains(x0, x1, c, x2 * c)
-        one, two = self._channels
-        return (
-            *chained_rates(x2, u0, u1, g0, g1),
-            channel_rate(one, self._first, t, self._tau[0]),
-            channel_rate(two, self._second, t, self._tau[1]),
-        )
+        return (*chained_rates(x2, u0, u1, g0, g1), *self._input_rates(t))
 
     def _turning_rates(self, t: float, state: State) -> State:
         x, y, theta, v, omega = state
         c, s = math.cos(theta), math.sin(theta)
         g0, g1, _ = self._image_gains(x, y, c, s)
-        one, two = self._channels
-        return (
-            g0 * v * c,
-            g1 * v * s,
-            omega,
-            channel_rate(one, self._first, t, self._tau[0]),
-            channel_rate(two, self._second, t, self._tau[1]),
-        )
+        return (g0 * v * c, g1 * v * s, omega, *self._input_rates(t))
 
     def _torque_rates(self, t: float, state: State) -> State:
         """The robot's own v and ω; its heading in the image turns at βω."""
         x, y, theta, v, omega = state
         c, s = math.cos(theta), math.sin(theta)
         g0, g1, beta = self._image_gains(x, y, c, s)
-        one, two = self._channels
-        return (
-            g0 * v * c,
-            g1 * v * s,
-            beta * omega,
-            channel_rate(one, self._first, t, self._tau[0]),
-            channel_rate(two, self._second, t, self._tau[1]),
-        )
+        return (g0 * v * c, g1 * v * s, beta * omega, *self._input_rates(t))
 
     def _velocity_rates(self, t: float, state: State) -> State:  # noqa: ARG002  (same form as the others)
         x, y, theta, _, _ = state
