@@ -11,6 +11,8 @@ from parkproof.bounds import Bounds
 from parkproof.errors import InputError
 from parkproof.laws.controller import Command, Controller, measured_pose, measured_state
 from parkproof.laws.gains import Gains, Switching
+from parkproof.laws.inputs import implicit_inputs
+from parkproof.laws.turn import turn_channels
 from parkproof.model.chained import ChainedState, body_inputs
 from parkproof.model.signals import Signal
 from parkproof.model.truth import Truth
@@ -119,14 +121,16 @@ def test_torque_robot_is_told_accelerations_that_feed_the_quadratic_terms_forwar
     assert u1_rate == pytest.approx(command.tau2)
 
 
-def test_torque_robot_feeds_forward_in_a_mirrored_image() -> None:
-    """With ψ̇ = βω and β < 0 the command turns the robot the other way."""
+@pytest.mark.parametrize(("theta", "step"), [(0.9, 1), (2.5, 0)])
+def test_torque_robot_feeds_forward_in_a_mirrored_image(theta: float, step: int) -> None:
+    """With ψ̇ = βω and β < 0 the command turns the robot the other way, in the chart or not."""
     plain, mirrored = (
         Controller(law="corrected", bounds=Bounds(), control_period=1e-3, robot="torque").step(
-            measured_pose(0.0, -1.0, 0.3, 0.9, v=0.8, omega=-0.7, beta=beta)
+            measured_pose(0.0, -1.0, 0.3, theta, v=0.8, omega=-0.7, beta=beta)
         )
         for beta in (1.0, -2.0)
     )
+    assert plain.step == mirrored.step == step
     assert mirrored.acceleration == pytest.approx(plain.acceleration)
     assert mirrored.turn_acceleration == pytest.approx(plain.turn_acceleration / -2.0)
 
@@ -200,6 +204,21 @@ def test_corrected_law_turns_first_and_published_law_says_that_it_cannot(theta: 
     published = Controller(law="published", bounds=Bounds(), control_period=0.01)
     with pytest.raises(InputError, match="outside the chart"):
         published.step(outside)
+
+
+def test_implicit_turn_looks_one_period_ahead_of_its_heading() -> None:
+    h, theta, v, omega = 0.05, 2.5, 0.8, -0.7
+    bounds = Bounds(gamma=(1.0, 2.0), disturbance=0.5)
+    controller = Controller(
+        law="corrected", bounds=bounds, control_period=h, discretisation="implicit"
+    )
+    command = controller.step(measured_pose(0.0, -1.0, 0.3, theta, v=v, omega=omega))
+    p = controller.parameters
+    ahead = implicit_inputs(*turn_channels(theta + h * omega, p), v, omega, p)
+    assert command.step == 0
+    assert (command.tau1, command.tau2) == pytest.approx(ahead)
+    now = implicit_inputs(*turn_channels(theta, p), v, omega, p)
+    assert abs(ahead[1] - now[1]) > 0.01
 
 
 def test_direction_of_travel_is_the_one_asked_for() -> None:

@@ -11,6 +11,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from parkproof.bounds import Bounds
+from parkproof.laws import default_parameters
 from parkproof.laws.chains import (
     ChannelLaw,
     nominal_input,
@@ -146,7 +147,7 @@ def tau_of(
     x0, x1, x2, u0, u1 = state
     ahead = predicted(x0, x1, x2, u0, u1, p)
     one, two = channels(step, way, *ahead, u0, p)
-    return (implicit_inputs if p.implicit > 0.0 else explicit_inputs)(one, two, u0, u1, p)
+    return (implicit_inputs if p.lookahead > 0.0 else explicit_inputs)(one, two, u0, u1, p)
 
 
 @given(PLAIN, UNCERTAIN, STATES, st.sampled_from([1, 2, 3, 4]))
@@ -474,6 +475,19 @@ def test_implicit_input_never_overshoots_its_surface_and_never_exceeds_the_expli
         assert abs(tau) <= abs(explicit) * (1.0 + 1e-3) + slack / h
 
 
+def test_implicit_form_predicts_positions_one_period_ahead_in_order_of_the_chain() -> None:
+    """x1 moves with the x2 of the period's end; α is taken in the middle of its bounds."""
+    bounds = Bounds(alpha=((0.5, 0.9), (1.0, 1.6)))
+    h, alpha1, alpha2 = 0.02, 0.7, 1.3
+    p = parameters(SECTION4, bounds, h)
+    ahead = predicted(1.0, 2.0, 3.0, 4.0, 5.0, p)
+    x2 = 3.0 + h * 5.0
+    assert ahead == pytest.approx((1.0 + h * alpha1 * 4.0, 2.0 + h * alpha2 * 4.0 * x2, x2))
+    assert predicted(1.0, 2.0, 3.0, 4.0, 5.0, parameters(SECTION4, bounds)) == (1.0, 2.0, 3.0)
+    p = default_parameters(implicit=True)  # h = 1 ms, α between 0.5 and 1.5
+    assert predicted(1.0, 2.0, 3.0, 4.0, 5.0, p) == pytest.approx((1.004, 2.01202, 3.005))
+
+
 # ----------------------------------------------------- the exact inclusion of theory as an oracle
 
 
@@ -524,8 +538,7 @@ def step2_loop(period: float, *, exact: bool, duration: float = 12.0) -> tuple[f
     rows = []
     n = round(duration / period)
     for k in range(n):
-        x2_ahead = x2 + period * u1
-        x1_ahead = x1 + period * x2_ahead
+        _, x1_ahead, x2_ahead = predicted(0.0, x1, x2, 1.0, u1, p)
         law = three_chain(x1_ahead, x2_ahead, p.L1, p.L2, p.l3, p.inv_q1, p.inv_e1, p.r1)
         if exact:
             tau = (inclusion_end(law, u1, phi, period * gamma_max) - u1) / (period * gamma_max)

@@ -227,6 +227,7 @@ def test_an_unwritable_parent_is_one_line(tmp_path: Path, monkeypatch: pytest.Mo
 def test_ctrl_c_leaves_nothing_in_a_process_of_its_own(tmp_path: Path) -> None:
     program = (
         "import os, signal, sys\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # may be ignored in here
         "from parkproof.output import output_directory\n"
         "with output_directory(sys.argv[1]) as work:\n"
         "    (work / 'a.txt').write_text('half')\n"

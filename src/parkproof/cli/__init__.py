@@ -16,6 +16,8 @@ COMMANDS = {
     "init": "Write a commented scenario file that runs as it is.",
     "check": "Evaluate the paper's conditions (15)-(19) on the gains in a file.",
     "search": "Search for gains: Remark 3 as printed, a search that works, and Remark 4.",
+    "certify": "Prove that Step 2 settles in a given time, and write the proof as a certificate.",
+    "verify": "Re-prove a certificate and print its theorem.",
     "schema": "Print the JSON schema of scenario files, for editors.",
     "citation": "Print BibTeX for the paper and for this software.",
     "completion": "Print or install the completion script of a shell.",
@@ -26,8 +28,8 @@ Each is a function in the module of its name.
 """
 
 EXIT_STATUSES = (
-    "Exit status: 0 carried out; 1 only with --check, if the answer is no; 2 bad input, or a file "
-    "that cannot be read or written; 130 Ctrl-C; 143 terminated."
+    "Exit status: 0 carried out; 1 if the answer is no (with --check, or nothing is proved); 2 bad "
+    "input, or a file that cannot be read or written; 130 Ctrl-C; 143 terminated."
 )
 
 

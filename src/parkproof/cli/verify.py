@@ -1,0 +1,53 @@
+"""``parkproof verify``: re-proves a certificate."""
+
+from pathlib import Path
+
+
+def verify(certificate: Path, /) -> int:
+    """Re-prove a certificate and print its theorem.
+
+    Exit status 0 proved, 1 not proved, 2 unreadable or its digest is wrong.
+
+    Parameters
+    ----------
+    certificate : Path
+        A file written by "parkproof certify".
+
+    Returns
+    -------
+    int
+        Exit status.
+
+    Raises
+    ------
+    InputError
+        If the library of the arithmetic is missing, or the file is no certificate.
+
+    Examples
+    --------
+    >>> verify(Path("scenario.toml"))
+    Traceback (most recent call last):
+    ...
+    parkproof.errors.InputError: scenario.toml: not JSON: ...
+    """
+    from parkproof.cli.console import stdout_console
+    from parkproof.errors import InputError
+    from parkproof.extras import require
+
+    require("flint", extra="proof", purpose="parkproof verify")
+    from parkproof.proof.verify import NotACertificateError, prove, read, statement_of
+
+    try:
+        found = read(certificate.read_text(encoding="utf-8"))
+        proved = prove(found)
+    except (NotACertificateError, OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{certificate}: {error}") from error
+    console = stdout_console()
+    if not proved:
+        console.print("NOT PROVED: what this certificate claims does not follow.")
+        return 1
+    for line in statement_of(found):
+        console.print(line, soft_wrap=True)
+    console.print()
+    console.print("Proved.")
+    return 0
