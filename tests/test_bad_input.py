@@ -182,7 +182,7 @@ def test_command_lines_that_make_no_sense_are_refused(scenario, capsys):
     refused(capsys, "park", scenario, "--overwrit", saying="--overwrit. Did you mean --overwrite")
     refused(capsys, "reproduce", "--law", "perfect", saying="perfect.*published.*corrected.*both")
     refused(capsys, "init", "--kind", "papre", saying='did you mean "paper".*adversary')
-    refused(capsys, "completion", "show", "--shell", "tcsh", saying="tcsh.*bash")
+    refused(capsys, "completion", "tcsh", saying="tcsh.*bash")
 
 
 def test_searches_refuse_what_they_cannot_use(capsys):

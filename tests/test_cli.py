@@ -238,7 +238,7 @@ def test_the_citation_file_agrees_with_the_program():
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish", "powershell"])
 def test_completion_knows_the_commands_and_their_options(shell, capsys):
-    assert main(["completion", "show", "--shell", shell]) == 0
+    assert main(["completion", shell]) == 0
     text = capsys.readouterr().out
     assert "reproduce" in text
     assert "overwrite" in text
@@ -247,7 +247,7 @@ def test_completion_knows_the_commands_and_their_options(shell, capsys):
 def test_completion_is_installed_where_the_shell_looks(tmp_path, capsys, monkeypatch):
     monkeypatch.setenv("HOME", str(tmp_path))
     monkeypatch.delenv("XDG_DATA_HOME", raising=False)
-    assert str(tmp_path) in said(capsys, "completion", "install", "--shell", "bash")
+    assert str(tmp_path) in said(capsys, "completion", "bash", "--install")
     assert any(path.is_file() for path in tmp_path.rglob("*parkproof*"))
 
 

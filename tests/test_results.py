@@ -3,6 +3,7 @@ import json
 import math
 import subprocess
 import sys
+import tomllib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -12,9 +13,10 @@ import pytest
 from pyarrow import parquet
 
 import parkproof
-from parkproof.bounds import Limits
+from parkproof.bounds import Bounds, Limits
 from parkproof.errors import InputError
-from parkproof.laws.gains import Switching
+from parkproof.laws.gains import Gains, Switching
+from parkproof.model.overhead import HomographyTable
 from parkproof.model.signals import Constant, Noise
 from parkproof.model.truth import Truth
 from parkproof.output import MANIFEST
@@ -27,8 +29,8 @@ from parkproof.results import (
     write_summary,
     write_trajectory,
 )
-from parkproof.scenario import Scenario, Start
-from parkproof.scenario_file import scenario_from_dict
+from parkproof.scenario import Robot, RunSettings, Scenario, Start
+from parkproof.scenario_file import scenario_from_dict, template
 from parkproof.simulation.run import COLUMNS, Run, simulate
 
 SCENARIO = Callable[..., Scenario]
@@ -289,6 +291,84 @@ def test_the_summary_says_when_nothing_is_promised(section4: SCENARIO) -> None:
         summary = summary_of(simulate(section4(**short, **changes)))
         assert summary["assumptions"].startswith("outside the guarantee")
         assert any("outside the guarantee" in note for note in summary["notes"])
+
+
+OVERHEAD = HomographyTable(matrix=(100, 0, 320, 0, 100, 240, 0, 0, 1), unit=100.0)
+
+
+@pytest.mark.parametrize(
+    "uncertain",
+    [
+        {"bounds": Bounds(gamma=((1.0, 2.0), (1.0, 1.0)))},
+        {"bounds": Bounds(gamma=((1.0, 1.0), (0.5, 1.0)))},
+        {"bounds": Bounds(disturbance=(0.1, 0.0))},
+        {"bounds": Bounds(disturbance=(0.0, 0.1))},
+        {"camera": OVERHEAD, "bounds": Bounds(alpha=(0.9, 1.1))},
+    ],
+)
+def test_notes_promise_nothing_to_an_uncertain_torque_robot(uncertain: dict[str, Any]) -> None:
+    def promised(kind: str, parts: dict[str, Any]) -> bool:
+        scenario = Scenario(
+            law="corrected",
+            start=Start(pose=(-1.0, 0.1, 0.0)),
+            robot=Robot(kind=kind),  # type: ignore[arg-type]  # one of its kinds
+            switching=LOOSE,
+            **parts,
+        )
+        return not any("outside the guarantee" in note for note in notes_of(scenario))
+
+    assert promised("torque", {})
+    assert promised("torque", {"bounds": Bounds(alpha=(0.5, 1.5))})
+    assert not promised("torque", uncertain)
+    assert promised("chained", uncertain)
+
+
+def test_notes_of_the_torque_template_promise_nothing() -> None:
+    scenario = scenario_from_dict(tomllib.loads(template("torque-robot")), where="template")
+    assert "accelerations" in next(n for n in notes_of(scenario) if "outside the guarantee" in n)
+
+
+@pytest.mark.parametrize(("factor", "noted"), [(0.99, False), (1.01, True)])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_notes_name_a_start_from_which_the_law_would_turn_again(
+    factor: float, noted: bool, side: float
+) -> None:
+    """ξ1 = 0 at |x2| = l1|x1|^q1; with chart_limit = 60° the law turns again at 88.5°."""
+    l1, q1 = 1.5, 9 / 11
+    aside = (factor * math.tan(math.radians(88.5)) / l1) ** (1.0 / q1)
+    scenario = Scenario(
+        law="corrected",
+        start=Start(pose=(-1.0, side * aside, 0.0)),
+        gains=Gains(l=(l1, 4.2, 21.0), q1="9/11"),
+        switching=Switching(tolerance=(0.1, 0.1, 0.1), chart_limit=60.0),
+    )
+    assert any("where it would turn again" in note for note in notes_of(scenario)) is noted
+
+
+@pytest.mark.parametrize(
+    ("index", "gain", "power"), [(0, 1.0, 1 / 3), (1, 21.0, 5 / 7), (2, 6.5, 5 / 7)]
+)
+def test_notes_of_the_explicit_form_draw_the_line_at_its_limit_cycle(
+    index: int, gain: float, power: float
+) -> None:
+    """u̇ = −γ_M/γ_m·gain·⌈u⌋^power, held for a period, throws u from the band's edge across."""
+    h, ratio = 0.03, 2.0
+    band = (0.5 * h * ratio * gain) ** (1.0 / (1.0 - power))
+    assert band - h * ratio * gain * band**power == pytest.approx(-band)
+    noted = {}
+    for factor in (0.99, 1.01):
+        tolerance = [10.0, 10.0, 10.0]
+        tolerance[index] = factor * band
+        scenario = Scenario(
+            law="corrected",
+            start=Start(pose=(-1.0, 0.1, 0.0)),
+            bounds=Bounds(gamma=(0.5, 1.0)),
+            truth=Truth(),
+            switching=Switching(tolerance=(tolerance[0], tolerance[1], tolerance[2])),
+            run=RunSettings(control_period=h),
+        )
+        noted[factor] = any(f"tolerance[{index}]" in note for note in notes_of(scenario))
+    assert noted == {0.99: True, 1.01: False}
 
 
 def test_notes_name_a_tolerance_below_its_band(section4: SCENARIO) -> None:

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from parkproof.bounds import Bounds, Limits
 from parkproof.errors import InputError
-from parkproof.laws.controller import Command
+from parkproof.laws.controller import Command, measured_pose, measured_state
 from parkproof.laws.gains import Gains, Switching
 from parkproof.model.chained import ChainedState
 from parkproof.model.signals import Adversary, Constant, Sine
@@ -21,7 +21,7 @@ from parkproof.scenario import Robot, Scenario, Start
 from parkproof.simulation.metrics import metrics_of
 from parkproof.simulation.outcome import Outcome
 from parkproof.simulation.plant import Plant, runge_kutta
-from parkproof.simulation.run import COLUMNS, Run, plant_steps, simulate
+from parkproof.simulation.run import COLUMNS, Recorder, Run, plant_steps, simulate
 
 Make = Callable[..., Scenario]
 STATES = ("x0", "x1", "x2", "u0", "u1")
@@ -120,16 +120,45 @@ def test_implicit_form_does_not_chatter(section4: Make) -> None:
         assert smooth < rough / 50.0
 
 
+def going_back(section4: Make, *, duration: float) -> Scenario:
+    return section4(
+        truth="adversary",
+        discretisation="implicit",
+        control_period=0.01,
+        duration=duration,
+        switching=Switching(tolerance=(1e-2, 5e-2, 5e-2), hysteresis=1.2),
+    )
+
+
 def test_going_back_to_the_run_up_happens_few_times_and_ends(section4: Make) -> None:
     """An adversary at 10 ms pushes x1 out once; the run-up is repeated and the robot parks."""
-    run = simulate(
-        section4(truth="adversary", discretisation="implicit", control_period=0.01, duration=25.0,
-                 switching=Switching(tolerance=(1e-2, 5e-2, 5e-2), hysteresis=1.2))
-    )  # fmt: skip
+    run = simulate(going_back(section4, duration=25.0))
     assert run.outcome is Outcome.PARKED
     steps = run.trajectory["step"]
     assert run.returns == int(np.sum(np.diff(steps) < 0)) == 1
     assert transitions(run) <= ALLOWED["corrected"]
+
+
+def test_going_back_takes_back_the_ends_of_the_steps(section4: Make) -> None:
+    whole = simulate(going_back(section4, duration=25.0)).trajectory
+    back = float(whole["t"][1:][np.diff(whole["step"]) < 0][0])
+    before, after = (simulate(going_back(section4, duration=back + wait)) for wait in (-0.02, 0.02))
+    assert (before.returns, after.returns) == (0, 1)
+    assert before.settling_time.steps["2"] is not None
+    assert after.trajectory["step"][-1] == 1
+    assert after.settling_time.steps == {"1": None, "2": None, "3": None}
+
+
+def test_what_follows_step_2_is_counted_from_its_first_end(section4: Make) -> None:
+    """Also where the law goes back and ends Step 2 again."""
+    run = simulate(going_back(section4, duration=25.0))
+    step = run.trajectory["step"]
+    ends = np.flatnonzero((step[:-1] == 2) & (step[1:] == 3)) + 1
+    assert len(ends) == 2
+    first, last = (
+        {name: float(np.abs(run.trajectory[name][end:]).max()) for name in STATES} for end in ends
+    )
+    assert run.metrics.max_abs_after_step2 == first != last
 
 
 @pytest.mark.parametrize("law", ["published", "corrected"])
@@ -401,6 +430,24 @@ def test_turning_robot_that_still_rolls_is_scaled_by_the_camera(bounds: Bounds, 
     assert (m.theta, m.v, m.omega) == pytest.approx((2.0, 0.5, 0.0))
 
 
+@pytest.mark.parametrize("kind", ["chained", "torque", "velocity"])
+def test_start_turns_the_heading_in_the_image_whatever_the_camera_makes_of_it(kind: str) -> None:
+    """Under ψ̇ = βω the robot's wheels start at ω/β, and keep it while nothing accelerates them."""
+    plant = Plant(
+        robot=kind,  # type: ignore[arg-type]  # a parameter of the test
+        channels=(channel(0, Truth(), Bounds()), channel(1, Truth(), Bounds())),
+        image_gains=lambda _x, _y, _c, _s: (1.0, 1.0, -2.0),
+        pose=(1.0, 2.0, 2.0),
+        velocity=(0.5, 0.3),
+    )
+    start = plant.measurement(0.0)
+    assert (start.v, start.omega, start.beta) == pytest.approx((0.5, 0.3, -2.0))
+    coast = Command(0, 0.0, 0.0, 0.5, 0.3 / -2.0, acceleration=0.0, turn_acceleration=0.0)
+    plant.advance(coast, 0.0, 0.4, 4)
+    end = plant.measurement(0.4)
+    assert (end.v, end.omega, end.theta) == pytest.approx((0.5, 0.3, 2.0 + 0.4 * 0.3))
+
+
 def test_velocity_robot_stands_still_drives_straight_and_turns_on_the_spot(bounds: Bounds) -> None:
     ends = []
     for v, omega in ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0)):
@@ -508,6 +555,65 @@ def test_turn_rate_limit_ends_a_run(section4: Make) -> None:
     assert run.outcome is Outcome.SPEED_LIMIT
     assert abs(run.trajectory["omega"][-1]) > 0.7
     assert np.abs(run.trajectory["omega"][:-1]).max(initial=0.0) <= 0.7
+
+
+def test_turn_rates_kept_and_limited_are_those_of_the_robot_s_wheels(section4: Make) -> None:
+    """Under ψ̇ = βω with β = −2."""
+    recorder = Recorder(section4(limits=Limits(turn_rate=0.5)))
+    command = Command(1, 0.0, 0.0)
+    turning = {
+        omega: measured_pose(0.0, -1.0, 0.3, 0.2, omega=omega, beta=-2.0)
+        for omega in (0.9, -0.9, 1.1, -1.1)
+    }
+    for measurement in turning.values():
+        recorder.record(measurement, command)
+    ended = {omega: recorder.end_after(command, m) for omega, m in turning.items()}
+    limit = Outcome.SPEED_LIMIT
+    assert ended == {0.9: None, -0.9: None, 1.1: limit, -1.1: limit}
+    kept = recorder.finish(None, 0.0).trajectory["omega"]
+    assert kept == pytest.approx([-0.45, 0.45, -0.55, 0.55])
+
+
+@pytest.mark.parametrize(
+    ("inside", "outside"),
+    [
+        ((-0.99, 0.0), (-1.01, 0.0)),
+        ((1.99, 0.0), (2.01, 0.0)),
+        ((0.0, -2.99), (0.0, -3.01)),
+        ((0.0, 3.99), (0.0, 4.01)),
+    ],
+)
+def test_view_can_be_left_through_each_of_its_sides(
+    section4: Make, inside: tuple[float, float], outside: tuple[float, float]
+) -> None:
+    recorder = Recorder(section4(limits=Limits(view=(-1.0, 2.0, -3.0, 4.0))))
+    assert recorder.end_before(measured_pose(0.0, *inside, 0.1)) is None
+    assert recorder.end_before(measured_pose(0.0, *outside, 0.1)) is Outcome.OUT_OF_VIEW
+
+
+@pytest.mark.parametrize(
+    ("held", "outcome"),
+    [
+        ((-0.029, -0.019, 0.019), Outcome.PARKED),
+        ((0.031, 0.0, 0.0), Outcome.MISSED),
+        ((0.0, -0.021, 0.0), Outcome.MISSED),
+        ((0.0, 0.0, 0.021), Outcome.MISSED),
+    ],
+)
+def test_each_of_the_pose_must_hold_for_a_run_to_be_parked(
+    section4: Make, held: tuple[float, float, float], outcome: Outcome
+) -> None:
+    """Ever since holding began, and only since; here the limits are 0.03, 0.02 and 0.02."""
+    tolerance = (1e-2, 1e-2, 1.5e-2)
+    recorder = Recorder(section4(switching=Switching(tolerance=tolerance, hysteresis=2.0)))
+    still = (0.0, 0.0, 0.0)
+    for t, step, pose in ((0, 3, (0.1, 0.1, 0.1)), (1, 4, still), (2, 4, held), (9, 4, still)):
+        x0, x1, x2 = pose
+        m = measured_state(float(t), ChainedState(x0, x1, x2, 0.0, 0.0))
+        recorder.record(m, Command(step, 0.0, 0.0))
+    run = recorder.finish(None, 9.0)
+    assert run.outcome is outcome
+    assert run.settling_time.total == (1.0 if outcome is Outcome.PARKED else None)
 
 
 FAR = 0.9e6

@@ -1,7 +1,7 @@
 """The paper's example (section 4), as far as it was published.
 
 The true α_i, γ_i(t) and φ_i(t) were not: the ones here are a choice inside the published bounds.
-The exponents cannot be read in the scan; 1/3, 9/11 and 7/9 are this project's reading.
+The exponents cannot be read in the scan; 1/3, 9/11 and 7/9 are this project's choice.
 """
 
 from typing import Literal

@@ -17,8 +17,7 @@ _BIBTEX = """\
 
 @software{{Parkproof,
   author  = {{{{The Parkproof authors}}}},
-  title   = {{Parkproof: parking a wheeled robot under one uncalibrated camera, in finite time,
-             with a proof}},
+  title   = {{Parkproof: parking a wheeled robot under one uncalibrated camera, in finite time}},
   version = {{{version}}},
   license = {{BSD-3-Clause}}
 }}

@@ -90,14 +90,19 @@ def notes_of(scenario: Scenario) -> list[str]:
         )
     for name in ("to_step2", "to_step3"):
         moment = getattr(switching, name)
+        if scenario.law == "corrected" and not isinstance(moment, str) and moment < run.duration:
+            notes.append(
+                f"{name} = {moment:g} s: the corrected law leaves a step then only if it is inside "
+                "its tolerance, else as soon as it is."
+            )
         if not isinstance(moment, str) and moment >= run.duration:
             notes.append(
                 f"{name} = {moment:g} s is not before the end of the run at {run.duration:g} s: "
                 "the law will not get there."
             )
-    p_limit = switching.chart_tangents[1]
+    steepest = switching.chart_tangents[1]
     steepness = scenario.gains.l[0] * abs(scenario.start_pose[1]) ** scenario.gains.exponents[1]
-    if scenario.law == "corrected" and steepness > p_limit:
+    if scenario.law == "corrected" and steepness > steepest:
         notes.append(
             f"From this start the law asks for a heading of "
             f"{math.degrees(math.atan(steepness)):.2f}°, where it would turn again: start nearer "

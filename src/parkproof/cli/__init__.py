@@ -58,7 +58,7 @@ def command_line(called: str = "") -> "App":
 
     app = App(
         name="parkproof",
-        help="Park a wheeled robot under one uncalibrated camera, in finite time, with a proof.",
+        help="Park a wheeled robot under one uncalibrated camera, in finite time.",
         help_epilogue=EXIT_STATUSES,
         help_format="plaintext",
         version=f"parkproof {__version__}",

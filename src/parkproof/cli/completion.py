@@ -6,10 +6,10 @@ from parkproof.errors import InputError
 
 
 def completion(
-    action: Literal["show", "install"] = "show",
+    shell: Literal["bash", "zsh", "fish", "powershell"] | None = None,
     /,
     *,
-    shell: Literal["bash", "zsh", "fish", "powershell"] | None = None,
+    install: bool = False,
 ) -> int:
     """Print or install the completion script of a shell.
 
@@ -18,10 +18,10 @@ def completion(
 
     Parameters
     ----------
-    action : "show" or "install"
-        Print the script (default), or install it.
     shell : "bash", "zsh", "fish" or "powershell", optional
         The shell; default the one in use.
+    install : bool
+        Install the script instead of printing it.
 
     Returns
     -------
@@ -35,7 +35,7 @@ def completion(
 
     Examples
     --------
-    >>> completion("show", shell="bash")
+    >>> completion("bash")
     # ...
     0
     """
@@ -46,11 +46,11 @@ def completion(
 
     app = command_line()
     try:
-        if action == "show":
+        if not install:
             write(app.generate_completion(shell=shell))
             return 0
         path = app.install_completion(shell=shell)
     except ShellDetectionError as error:
-        raise InputError("the shell in use cannot be told; add for example --shell bash") from error
+        raise InputError("the shell cannot be told; name it: parkproof completion bash") from error
     stdout_console().print(f"Wrote {path}; it works in shells started from now on", soft_wrap=True)
     return 0

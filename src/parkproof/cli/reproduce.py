@@ -74,4 +74,4 @@ def _print_claims(console: "Console", claims: list[dict[str, str]]) -> None:
     console.print(table)
     counts = Counter(claim["verdict"] for claim in claims)
     listed = ", ".join(f"{verdict}: {count}" for verdict, count in counts.most_common())
-    console.print(f"Of {len(claims)} claims: {listed}.")
+    console.print(f"Of {len(claims)} rows: {listed}.")

@@ -27,22 +27,17 @@ class LawParameters(NamedTuple):
     lambda1: float
     q0: float
     l1: float
-    l2: float
     l3: float
     L1: float
     L2: float
     q1: float
     inv_q1: float
-    e1: float
     inv_e1: float
     r1: float
-    k1: float
     k3: float
     K1: float
-    hold1: float
     hold3: float
     H1: float
-    q2: float
     inv_q2: float
     r2: float
     runup_speed: float
@@ -67,7 +62,6 @@ class LawParameters(NamedTuple):
     alpha1: float
     alpha2: float
     period: float
-    implicit: float
     lookahead: float
     band1: float
     band2: float
@@ -147,22 +141,17 @@ def law_parameters(
         lambda1=gains.lambda1,
         q0=q0,
         l1=l1,
-        l2=l2,
         l3=l3,
         L1=L1,
         L2=L2,
         q1=q1,
         inv_q1=1.0 / q1,
-        e1=e1,
         inv_e1=1.0 / e1,
         r1=3.0 * q1 - 2.0,
-        k1=k1,
         k3=k3,
         K1=K1,
-        hold1=hold1,
         hold3=hold3,
         H1=H1,
-        q2=q2,
         inv_q2=1.0 / q2,
         r2=2.0 * q2 - 1.0,
         runup_speed=gains.runup_speed,
@@ -187,7 +176,6 @@ def law_parameters(
         alpha1=0.5 * (low1 + high1),
         alpha2=0.5 * (low2 + high2),
         period=h,
-        implicit=1.0 if implicit else 0.0,
         lookahead=h if implicit else 0.0,
         band1=h * gM1 * phi1 / gm1 if implicit else 0.0,
         band2=h * gM2 * phi2 / gm2 if implicit else 0.0,

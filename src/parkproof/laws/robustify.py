@@ -106,7 +106,7 @@ def robust_implicit(
     gamma_max: float,
     period: float,
 ) -> float:
-    """Theorem 1's input by implicit Euler, which cannot chatter .
+    """Theorem 1's input by implicit Euler: its sign term does not chatter.
 
     The input is the one that would bring u to `implicit_end` under the largest gain γ_M:
     (w − u)/(h·γ_M).

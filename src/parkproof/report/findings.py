@@ -164,7 +164,7 @@ def _decay(axes: "Axes", evidence: Evidence) -> None:
         ylim=(-6.0, 120.0),
         xlabel="Exponent q1",
         ylabel="Largest V̇3/V3^α found (sampled)",
-        title="V3 decreases with other weights",
+        title="V3 with other weights (sampled)",
     )
     axes.legend(loc="upper right")
 

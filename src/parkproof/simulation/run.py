@@ -56,7 +56,7 @@ class Run(msgspec.Struct, frozen=True, kw_only=True):
     settling_time : SettlingTime
         When the steps ended.
     returns : int
-        How often the law went back to the run-up.
+        How often the law went back to an earlier step.
     metrics : Metrics
         Residual, inputs, chatter, excursion and so on.
     trajectory : dict of str to array

@@ -14,7 +14,7 @@ ROWS = (
     "s0", "s1", "s2", "s3", "s4",
     "residual0", "residual1", "residual2", "held0", "held1", "held2",
     "peak1", "peak2", "square1", "square2", "variation1", "variation2",
-    "excursion2", "path", "x2_max",
+    "excursion2", "path",
     # working values
     "chart", "tau1", "tau2", "old0", "old1", "step_before",
     "kept",
@@ -34,7 +34,7 @@ largest error since holding began, ``excursion2`` the excursion squared."""
     S0, S1, S2, S3, S4,
     RESIDUAL0, RESIDUAL1, RESIDUAL2, HELD0, HELD1, HELD2,
     PEAK1, PEAK2, SQUARE1, SQUARE2, VARIATION1, VARIATION2,
-    EXCURSION2, PATH, X2_MAX,
+    EXCURSION2, PATH,
     CHART, TAU1, TAU2, OLD0, OLD1, STEP_BEFORE,
     KEPT,
     GAMMA1, GAMMA2, PHI1, PHI2,

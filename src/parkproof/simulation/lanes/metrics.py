@@ -43,7 +43,6 @@ from parkproof.simulation.lanes.buffer import (
     TAU2,
     VARIATION1,
     VARIATION2,
-    X2_MAX,
 )
 from parkproof.simulation.polynomials import OPTIONS
 
@@ -117,7 +116,6 @@ def measure(b, t, first, residual_from, limits):
         b[VARIATION1, j] += abs(tau1 - b[OLD0, j]) if counted else 0.0
         b[VARIATION2, j] += abs(tau2 - b[OLD1, j]) if counted else 0.0
         b[EXCURSION2, j] = max(b[EXCURSION2, j], x * x + y * y) if live else b[EXCURSION2, j]
-        b[X2_MAX, j] = max(b[X2_MAX, j], e2) if live else b[X2_MAX, j]
         square = 1.0 + x2 * x2
         fast = abs(b[S3, j]) * math.sqrt(square) > limits.speed
         fast = fast or abs(b[S4, j]) / square > limits.turn_rate
