@@ -330,7 +330,7 @@ def path_picture(run: "Run", path: Path | str) -> None:
     width = 9.0
     ratio = min(max((y_high - y_low) / (x_high - x_low), 0.3), 0.72)
     panel_width = width - 0.95
-    height = ratio * panel_width + 1.4
+    height = ratio * panel_width + 1.62
     with drawing():
         figure = new_figure(width, height)
         axes = figure.add_axes(
@@ -338,8 +338,6 @@ def path_picture(run: "Run", path: Path | str) -> None:
         )
         draw_path(axes, run)
         figure.text(0.75 / width, 1.0 - 0.32 / height, title_of(run), fontsize=12, weight="bold")
-        figure.text(
-            1.0 - 0.2 / width, 1.0 - 0.31 / height, run.outcome.sentence, fontsize=9,
-            color=MUTED, ha="right",
-        )  # fmt: skip
+        below = 1.0 - 0.54 / height
+        figure.text(0.75 / width, below, run.outcome.sentence, fontsize=9, color=MUTED)
         save(figure, path, dpi=200.0)
