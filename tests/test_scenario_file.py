@@ -380,7 +380,8 @@ scenarios = st.builds(
         q2=exponents(0.5),
         l=st.tuples(positive, positive, positive),
         hold=st.none() | st.tuples(positive, positive),
-        direction=st.sampled_from(["auto", "forward", "backward"]),
+        direction=st.sampled_from(["auto", "toward", "forward", "backward"]),
+        return_steering=st.booleans(),
     ),
     weights=st.none() | st.builds(Weights, k=st.tuples(positive, positive)),
     truth=st.builds(

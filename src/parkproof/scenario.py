@@ -336,7 +336,7 @@ class Scenario(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
                     'powers have no real value for negative states; write for example "9/11", or '
                     'use law = "corrected", which takes signed powers'
                 )
-        if self.gains.runup_speed != 1.0 or self.gains.direction == "backward":
+        if self.gains.runup_speed != 1.0 or self.gains.direction in {"toward", "backward"}:
             raise InputError(
                 "the published law drives at u0 = 1: leave runup_speed and direction out of "
                 '[gains], or use law = "corrected"'

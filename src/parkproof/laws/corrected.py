@@ -3,8 +3,8 @@
 Step 0 turns first when the heading lies outside the chart. Step 1 holds (x2, u1) instead of leaving
 them alone (D8). Step 2 works in either direction of travel, with x̃1 = sign(u0)·x1. Step 3 goes on
 correcting x1 with the sign that u0 really has (D3), while |u0| lies in a window in which that is
-expected to converge, and holds the heading outside it. Step 4 goes on holding. If x1 leaves its
-tolerance, the law goes back to the run-up, in the better direction.
+expected to converge, and holds the heading outside it; or it only holds the heading. Step 4 goes on
+holding. If x1 leaves its tolerance, the law goes back to the run-up, in the better direction.
 """
 
 from parkproof.laws.chains import ChannelLaw, one_chain, three_chain, two_chain
@@ -52,12 +52,14 @@ def travel_before_return(x0: float, x1: float, u0: float, way: float, p: LawPara
 def better_direction(x0: float, x1: float, x2: float, u0: float, p: LawParameters) -> float:
     """Direction of travel that leaves less to undo; with equal merit, the one along which x1 falls.
 
+    A given direction is kept, "toward" being that of the goal: −sign(x0), forward on its line.
+
     Parameters
     ----------
     x0, x1, x2, u0 : float
         State at the start of Step 1.
     p : LawParameters
-        Gains and bounds; a given direction is kept.
+        Gains and bounds.
 
     Returns
     -------
@@ -74,7 +76,9 @@ def better_direction(x0: float, x1: float, x2: float, u0: float, p: LawParameter
     backward = travel_before_return(x0, x1, u0, -1.0, p)
     equal = 1.0 if x1 * x2 <= 0.0 else -1.0
     free = 1.0 if forward < backward else (-1.0 if backward < forward else equal)
-    return p.direction if p.direction != 0.0 else free
+    toward = -1.0 if x0 > 0.0 else 1.0
+    given = toward if p.direction == 2.0 else p.direction
+    return given if p.direction != 0.0 else free
 
 
 @scalar

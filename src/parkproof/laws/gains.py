@@ -102,16 +102,20 @@ class Gains(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         ``k``. Default: the values of ``k``.
     runup_speed : float
         The corrected law's |u0| in Steps 1 and 2; the paper's is 1.
-    direction : "auto", "forward" or "backward"
-        The corrected law's direction of travel in Steps 1 and 2; the paper drives forward.
-    steering_speeds : two floats
+    direction : "auto", "toward", "forward" or "backward"
+        The corrected law's direction of travel in Steps 1 and 2: the one that is estimated to leave
+        less to undo, the one toward x0 = 0, or a given one; the paper drives forward.
+    steering_speeds : two floats, optional
         The range of |u0| in which the corrected law goes on correcting x1 in Step 3; outside it
         holds the heading. Default (0.1, 1.0) times ``runup_speed``.
+    return_steering : bool
+        Whether the corrected law corrects x1 in Step 3 at all; if not, it holds the heading.
 
     Raises
     ------
     InputError
-        If an exponent lies outside its interval, or a gain outside [1e-9, 1e9].
+        If an exponent lies outside its interval, a gain outside [1e-9, 1e9], or speeds are given
+        for a steering that is switched off.
 
     Examples
     --------
@@ -128,8 +132,9 @@ class Gains(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     k: tuple[float, float] = (1.5, 6.5)
     hold: tuple[float, float] | None = None
     runup_speed: float = 1.0
-    direction: Literal["auto", "forward", "backward"] = "auto"
+    direction: Literal["auto", "toward", "forward", "backward"] = "auto"
     steering_speeds: tuple[float, float] | None = None
+    return_steering: bool = True
 
     def __post_init__(self) -> None:
         force_setattr(self, "q0", exponent("q0", self.q0, 0.0, "0"))
@@ -140,9 +145,15 @@ class Gains(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         for name in ("l", "k", "hold", "steering_speeds"):
             if (given := getattr(self, name)) is not None:
                 force_setattr(self, name, tuple(gain(name, value) for value in given))
-        if self.steering_speeds is None:
-            return
-        low, high = self.steering_speeds
+        if self.steering_speeds is not None:
+            self._check_steering(*self.steering_speeds)
+
+    def _check_steering(self, low: float, high: float) -> None:
+        if not self.return_steering:
+            raise InputError(
+                f"steering_speeds = [{low}, {high}] with return_steering = false: Step 3 then "
+                "never steers; leave one of them out"
+            )
         if low >= high:
             raise InputError(
                 f"steering_speeds = [{low}, {high}]: must be [low, high] with low < high; "

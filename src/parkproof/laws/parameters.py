@@ -14,7 +14,7 @@ from parkproof.validate import positive
 
 Discretisation = Literal["explicit", "implicit"]
 
-DIRECTIONS = {"auto": 0.0, "forward": 1.0, "backward": -1.0}
+DIRECTIONS = {"auto": 0.0, "toward": 2.0, "forward": 1.0, "backward": -1.0}
 
 
 class LawParameters(NamedTuple):
@@ -100,7 +100,8 @@ def law_parameters(
     LawParameters
         ``lookahead`` is h in the implicit form and 0 in the explicit one; ``band_i`` is
         h·γ_i^M·φ_i^M/γ_i^m in the implicit form (how far a disturbance holds u off its surface) and
-        0 in the explicit one; ``alpha_i`` is the middle of the bounds.
+        0 in the explicit one; ``alpha_i`` is the middle of the bounds; ``steer_low`` is infinite
+        where Step 3 never steers.
 
     Raises
     ------
@@ -121,6 +122,8 @@ def law_parameters(
     k1, k3 = gains.k
     hold1, hold3 = gains.hold or gains.k
     low, high = gains.steering_speeds or (0.1 * gains.runup_speed, gains.runup_speed)
+    if not gains.return_steering:
+        low = math.inf
     to_step2, to_step3 = switching.times
     tolerance1, tolerance2, tolerance3 = switching.tolerance
     x2_enter, x2_leave = switching.chart_tangents
