@@ -9,9 +9,13 @@ import pytest
 
 from parkproof.bounds import Bounds
 from parkproof.errors import InputError
+from parkproof.laws.chains import ChannelLaw
 from parkproof.laws.controller import Command, Controller, measured_pose, measured_state
+from parkproof.laws.corrected import corrected_channels
 from parkproof.laws.gains import Gains, Switching
-from parkproof.laws.inputs import implicit_inputs
+from parkproof.laws.inputs import explicit_inputs, implicit_inputs
+from parkproof.laws.parameters import Discretisation
+from parkproof.laws.published import published_channels
 from parkproof.laws.turn import turn_channels
 from parkproof.model.chained import ChainedState, body_inputs
 from parkproof.model.signals import Signal
@@ -20,6 +24,7 @@ from parkproof.scenario import Robot, Scenario, Start
 from parkproof.simulation.run import simulate
 
 VELOCITY_BOUNDS = Bounds(alpha=(0.5, 1.5))
+UNCERTAIN = Bounds(alpha=((0.5, 0.9), (1.0, 1.6)), gamma=(1.0, 2.0), disturbance=0.5)
 
 
 def velocity_controller(period: float = 1 / 30) -> Controller:
@@ -206,19 +211,61 @@ def test_corrected_law_turns_first_and_published_law_says_that_it_cannot(theta: 
         published.step(outside)
 
 
-def test_implicit_turn_looks_one_period_ahead_of_its_heading() -> None:
+@pytest.mark.parametrize(("discretisation", "ahead"), [("explicit", 0.0), ("implicit", 0.05)])
+def test_implicit_turn_looks_one_period_ahead_of_its_heading(
+    discretisation: Discretisation, ahead: float
+) -> None:
     h, theta, v, omega = 0.05, 2.5, 0.8, -0.7
-    bounds = Bounds(gamma=(1.0, 2.0), disturbance=0.5)
     controller = Controller(
-        law="corrected", bounds=bounds, control_period=h, discretisation="implicit"
+        law="corrected", bounds=UNCERTAIN, control_period=h, discretisation=discretisation
     )
     command = controller.step(measured_pose(0.0, -1.0, 0.3, theta, v=v, omega=omega))
     p = controller.parameters
-    ahead = implicit_inputs(*turn_channels(theta + h * omega, p), v, omega, p)
+    form = implicit_inputs if ahead else explicit_inputs
+    taus = {
+        shift: form(*turn_channels(theta + shift * omega, p), v, omega, p)
+        for shift in (-0.05, 0.0, 0.05)
+    }
     assert command.step == 0
-    assert (command.tau1, command.tau2) == pytest.approx(ahead)
-    now = implicit_inputs(*turn_channels(theta, p), v, omega, p)
-    assert abs(ahead[1] - now[1]) > 0.01
+    assert (command.tau1, command.tau2) == pytest.approx(taus.pop(ahead))
+    assert min(abs(command.tau2 - other) for _, other in taus.values()) > 0.01
+
+
+@pytest.mark.parametrize(("discretisation", "ahead"), [("explicit", 0.0), ("implicit", 0.05)])
+@pytest.mark.parametrize(
+    ("law", "channels"), [("published", published_channels), ("corrected", corrected_channels)]
+)
+@pytest.mark.parametrize("step", [2, 3])
+def test_implicit_law_looks_one_period_ahead_in_the_chart(
+    law: str,
+    channels: Callable[..., tuple[ChannelLaw, ChannelLaw]],
+    step: int,
+    discretisation: Discretisation,
+    ahead: float,
+) -> None:
+    """At u as measured; x1 moves with the x2 of the period's end."""
+    x0, x1, x2, u0, u1 = state = ChainedState(-1.0, 0.5, -0.4, 0.6, 0.7)
+    controller = Controller(
+        law=law,
+        bounds=UNCERTAIN,
+        gains=Gains(direction="forward"),
+        # every step before the one looked at ends at once
+        switching=Switching(tolerance=(9.0, 9.0 if step == 3 else 1e-3, 1e-3)),
+        control_period=0.05,
+        discretisation=discretisation,
+    )
+    commands = [controller.step(measured_state(0.05 * k, state)) for k in range(step)]
+    p = controller.parameters
+    form = implicit_inputs if ahead else explicit_inputs
+    taus = {}
+    for shift in (-0.05, 0.0, 0.05):
+        end = x2 + shift * u1
+        positions = (x0 + shift * 0.7 * u0, x1 + shift * 1.3 * u0 * end, end)
+        taus[shift] = form(*channels(float(step), 1.0, *positions, u0, p), u0, u1, p)
+    last = commands[-1]
+    assert last.step == step
+    assert (last.tau1, last.tau2) == pytest.approx(taus.pop(ahead))
+    assert min(abs(last.tau2 - other) for _, other in taus.values()) > 0.01
 
 
 def test_direction_of_travel_is_the_one_asked_for() -> None:

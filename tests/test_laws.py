@@ -35,6 +35,7 @@ from parkproof.laws.robustify import robust, robust_implicit
 from parkproof.laws.turn import turn_channels
 from parkproof.scenario import Scenario
 from parkproof.simulation.run import simulate
+from parkproof.simulation.steps import chained_step
 
 # ---------------------------------------------------------------- section 3 of the paper, plainly
 
@@ -486,6 +487,23 @@ def test_implicit_form_predicts_positions_one_period_ahead_in_order_of_the_chain
     assert predicted(1.0, 2.0, 3.0, 4.0, 5.0, parameters(SECTION4, bounds)) == (1.0, 2.0, 3.0)
     p = default_parameters(implicit=True)  # h = 1 ms, α between 0.5 and 1.5
     assert predicted(1.0, 2.0, 3.0, 4.0, 5.0, p) == pytest.approx((1.004, 2.01202, 3.005))
+
+
+@given(STATES, st.tuples(*[st.floats(0.5, 20.0)] * 2), WAYS, WAYS)
+def test_prediction_is_what_the_chain_does_in_a_period_up_to_second_order(
+    state: tuple[float, ...], size: tuple[float, float], side1: float, side2: float
+) -> None:
+    """The command held, α in the middle of its bounds: what is left out falls with h²."""
+    *position, u0, u1 = state
+    tau1, tau2 = side1 * size[0], side2 * size[1]
+    speed, slope = abs(u0) + abs(tau1), abs(position[2]) + abs(u1) + abs(tau2)
+    most = (abs(tau1), (speed + 1.0) * (slope + 1.0) * 3.0, abs(tau2))
+    for h in (1e-4, 1e-2):
+        p = parameters(SECTION4, Bounds(alpha=((0.5, 0.9), (1.0, 1.6))), h)
+        ahead = predicted(*position, u0, u1, p)
+        true = chained_step(*position, u0, u1, 0.7, 1.3, *[tau1] * 3, *[tau2] * 3, h)
+        for guess, end, bound in zip(ahead, true, most, strict=False):
+            assert abs(guess - end) <= bound * h * h + 1e-12
 
 
 # ----------------------------------------------------- the exact inclusion of theory as an oracle
