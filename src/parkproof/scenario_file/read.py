@@ -79,7 +79,7 @@ def read_scenario(path: Path, *, overrides: Sequence[str] = ()) -> Scenario:
     """
     data = load_toml(Path(path))
     apply_overrides(data, overrides, Scenario)
-    return scenario_from_dict(data, where=_where(path, overrides))
+    return scenario_from_dict(data, where=named_with(path, overrides))
 
 
 def scenario_from_dict(data: Mapping[str, Any], *, where: str) -> Scenario:
@@ -107,7 +107,7 @@ def scenario_from_dict(data: Mapping[str, Any], *, where: str) -> Scenario:
     >>> scenario_from_dict({"law": "corrected", "start": {"pose": [0, 0, 0]}}, where="example").law
     'corrected'
     """
-    return _converted(data, Scenario, where)
+    return converted(data, Scenario, where)
 
 
 def read_gains_file(path: Path, *, overrides: Sequence[str] = ()) -> GainsFile:
@@ -142,10 +142,10 @@ def read_gains_file(path: Path, *, overrides: Sequence[str] = ()) -> GainsFile:
     """
     data = load_toml(Path(path))
     apply_overrides(data, overrides, Scenario)
-    where = _where(path, overrides)
+    where = named_with(path, overrides)
     only_in_scenarios = set(Scenario.__struct_fields__) - set(GainsFile.__struct_fields__)
     if not only_in_scenarios & set(data):
-        return _converted(data, GainsFile, where)
+        return converted(data, GainsFile, where)
     scenario = scenario_from_dict(data, where=where)
     return GainsFile(
         bounds=scenario.bounds,
@@ -156,15 +156,58 @@ def read_gains_file(path: Path, *, overrides: Sequence[str] = ()) -> GainsFile:
     )
 
 
-def _converted(data: Mapping[str, Any], struct: type[_Struct], where: str) -> _Struct:
-    """Convert and check, with a message for a user."""
+def converted(data: Mapping[str, Any], struct: type[_Struct], where: str) -> _Struct:
+    """Convert plain tables to a structure and check them, with a message for a user.
+
+    Parameters
+    ----------
+    data : mapping
+        Tables, lists, numbers and strings.
+    struct : type
+        A msgspec structure.
+    where : str
+        What a message calls the data.
+
+    Returns
+    -------
+    object
+        One of the structure.
+
+    Raises
+    ------
+    InputError
+        If a key or value is not the structure's.
+
+    Examples
+    --------
+    >>> converted({"alpha": [0.5, 1.5]}, Bounds, "example").alpha_of(1)
+    (0.5, 1.5)
+    """
     try:
         return msgspec.convert(data, struct)
     except msgspec.ValidationError as error:
         raise InputError(f"{where}: {sentence(error, data, struct)}") from error
 
 
-def _where(path: Path, overrides: Sequence[str]) -> str:
-    """Name a file and what was set beside it."""
+def named_with(path: Path, overrides: Sequence[str]) -> str:
+    """Name a file and what was set beside it.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    overrides : sequence of str
+        What was set.
+
+    Returns
+    -------
+    str
+        For a message.
+
+    Examples
+    --------
+    >>> named_with(Path("a.toml"), ["run.duration=3"])
+    'a.toml with --set run.duration=3'
+    """
     settings = "".join(f" --set {plain(expression)}" for expression in overrides)
     return f"{path} with{settings}" if settings else str(path)

@@ -1,0 +1,327 @@
+"""Certificates: reading one, proving what it claims, and saying it in sentences.
+
+`prove` takes nothing from the file on trust but what the theorem assumes: every rate and size is
+proved anew, every bound of the run is computed anew from them, and each number claimed must not be
+below its bound.
+"""
+
+import hashlib
+import json
+import math
+from collections.abc import Iterator
+from fractions import Fraction
+from typing import Any
+
+from flint import ctx
+
+from parkproof.proof.checker.balls import Range, exact
+from parkproof.proof.checker.chains import ThreeChain, TwoChain
+from parkproof.proof.checker.ellipsoid import Ellipsoid
+from parkproof.proof.checker.links import Homogeneous, Link, PowerIntegrator
+from parkproof.proof.checker.parts import GapError, Law, Links, Peaks, Uncertainty
+from parkproof.proof.checker.whole_run import run_bounds
+
+SCHEMA = "parkproof-certificate-1"
+PRECISION = 64
+"""Bits of the ball arithmetic."""
+
+CLAIMS = {
+    "total_time": 0,
+    "max_tau": 2,
+    "max_abs_state": 5,
+    "max_speed": 0,
+    "max_turn_rate": 0,
+    "max_heading": 0,
+    "x0_range": 2,
+    "x1_at_rest": 0,
+}
+"""What a certificate claims, and how many numbers each has; 0 for a single one."""
+
+
+class NotACertificateError(ValueError):
+    """A file that cannot be read as a certificate, or whose digest is wrong."""
+
+
+def digest_of(certificate: dict[str, Any]) -> str:
+    """SHA-256 of all of a certificate but its digest.
+
+    Parameters
+    ----------
+    certificate : dict
+        The certificate, with or without its digest.
+
+    Returns
+    -------
+    str
+        Hexadecimal digest of its canonical JSON.
+
+    Examples
+    --------
+    >>> digest_of({"a": 1, "digest": "x"}) == digest_of({"a": 1})
+    True
+    """
+    rest = {key: value for key, value in certificate.items() if key != "digest"}
+    text = json.dumps(rest, sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def read(text: str) -> dict[str, Any]:
+    """Read a certificate and check its schema and digest.
+
+    Parameters
+    ----------
+    text : str
+        JSON.
+
+    Returns
+    -------
+    dict
+        The certificate.
+
+    Raises
+    ------
+    NotACertificateError
+        If it cannot be read, is of another schema, or its digest is wrong.
+
+    Examples
+    --------
+    >>> read("{}")
+    Traceback (most recent call last):
+    ...
+    parkproof.proof.checker.certificate.NotACertificateError: not a parkproof-certificate-1 ...
+    """
+    try:
+        certificate = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise NotACertificateError(f"not JSON: {error}") from error
+    if not isinstance(certificate, dict) or certificate.get("schema") != SCHEMA:
+        raise NotACertificateError(f"not a {SCHEMA} (its key schema says otherwise)")
+    if certificate.get("digest") != digest_of(certificate):
+        raise NotACertificateError("the digest is wrong: the file was changed or cut short")
+    return certificate
+
+
+def two_chain_of(law: dict[str, Any], lyapunov: dict[str, Any], name: str) -> PowerIntegrator:
+    """The proof of a chain of two that a certificate proposes.
+
+    Parameters
+    ----------
+    law, lyapunov : dict
+        Sections of a certificate.
+    name : "hold" or "return"
+        Which chain.
+
+    Returns
+    -------
+    PowerIntegrator
+        Not yet proved.
+
+    Examples
+    --------
+    >>> two_chain_of({}, {}, "hold")
+    Traceback (most recent call last):
+    ...
+    KeyError: 'hold'
+    """
+    found, gains = lyapunov[name], law["k" if name == "return" else "hold"]
+    chain = TwoChain(law["q2"], gains, found["k2"])
+    return PowerIntegrator(chain, found["rate"], tuple(found["sizes"]))
+
+
+def links_of(law: dict[str, Any], lyapunov: dict[str, Any]) -> Links:
+    """The proofs of the three chains that a certificate proposes.
+
+    Parameters
+    ----------
+    law, lyapunov : dict
+        Sections of a certificate.
+
+    Returns
+    -------
+    Links
+        Not yet proved.
+
+    Examples
+    --------
+    >>> links_of({}, {})
+    Traceback (most recent call last):
+    ...
+    KeyError: 'approach'
+    """
+    found = lyapunov["approach"]
+    approach: Link
+    if law["name"] == "homogeneous":
+        ellipsoid = Ellipsoid(law["ellipsoid"], law["feedback"])
+        approach = Homogeneous(ellipsoid, found["rate"], found["rho"])
+    else:
+        chain = ThreeChain(law["q1"], law["l"], found["k"], 1.0)
+        approach = PowerIntegrator(chain, found["rate"], tuple(found["sizes"]))
+    hold, back = (two_chain_of(law, lyapunov, name) for name in ("hold", "return"))
+    return Links(approach, hold, back)
+
+
+def _numbers(value: Any) -> list[float]:
+    """All numbers in a section, wherever they stand."""
+    if isinstance(value, bool) or value is None or isinstance(value, str):
+        return []
+    if isinstance(value, int | float):
+        return [value]
+    inner = value.values() if isinstance(value, dict) else value
+    return [number for part in inner for number in _numbers(part)]
+
+
+def _crossed(pairs: list[Any]) -> bool:
+    return any(len(pair) != 2 or not pair[0] <= pair[1] for pair in pairs)
+
+
+def _flaws(certificate: dict[str, Any]) -> Iterator[str]:
+    """Why a certificate's numbers make no sense."""
+    law, lyapunov = certificate["law"], certificate["lyapunov"]
+    claim, given = certificate["claim"], certificate["assumptions"]
+    if not all(map(math.isfinite, _numbers([law, lyapunov, claim, given]))):
+        yield "a number is not finite"
+    if set(claim) != set(CLAIMS) or any(
+        len(_numbers(claim[name])) != max(count, 1) for name, count in CLAIMS.items()
+    ):
+        yield "the claim does not consist of " + ", ".join(CLAIMS)
+    if _crossed([*given["alpha"], *given["gamma"], given["b2"], *given["starts"].values()]):
+        yield "a range of the assumptions is crossed"
+    gains = ["k", "hold", "tolerance", "lambda1", "runup_speed", "turn_tolerance", "chart_limit"]
+    gains += ["l"] if law["name"] == "corrected" else []
+    positive = _numbers([lyapunov, given["alpha"], given["gamma"], given["b2"]])
+    positive += _numbers([law[name] for name in gains])
+    if not all(number > 0 for number in positive) or min(given["disturbance"]) < 0:
+        yield "a gain, weight or bound is not positive"
+    if not law["chart_limit"] < 90 or not law["turn_tolerance"] < 1:
+        yield "chart_limit must be below 90 degrees, and turn_tolerance below 1"
+    lowest = {"q0": Fraction(0), "q1": Fraction(2, 3), "q2": Fraction(1, 2)}
+    if any(not low < Fraction(law[name]) < 1 for name, low in lowest.items()):
+        yield "an exponent lies outside its interval"
+    if law["name"] not in ("corrected", "homogeneous") or law["return_steering"] is not False:
+        yield "the theorem is about the laws corrected and homogeneous without return_steering"
+    if law["direction"] not in ("forward", "backward", "toward", "auto"):
+        yield "there is no such direction of travel"
+    if certificate["sampled"]:
+        yield "links were only sampled: " + ", ".join(certificate["sampled"])
+
+
+def _false_claim(claim: dict[str, Any], peaks: Peaks) -> str:
+    """Which claim is below its bound, or nothing."""
+    low, high = claim["x0_range"]
+    bounds = {
+        "total_time": [(claim["total_time"], peaks.time)],
+        "max_tau": list(zip(claim["max_tau"], peaks.tau, strict=True)),
+        "max_abs_state": list(zip(claim["max_abs_state"], peaks.states, strict=True)),
+        "max_speed": [(claim["max_speed"], peaks.speed)],
+        "max_turn_rate": [(claim["max_turn_rate"], peaks.turn_rate)],
+        "max_heading": [(claim["max_heading"], peaks.heading)],
+        "x0_range": [(-low, -peaks.x0[0]), (high, peaks.x0[1])],
+        "x1_at_rest": [(claim["x1_at_rest"], peaks.x1_at_rest)],
+    }
+    for name, pairs in bounds.items():
+        for claimed, bound in pairs:
+            if not exact(claimed) >= bound:
+                return f"{name}: {claimed!r} is claimed, {bound.str(8, radius=False)} follows"
+    return ""
+
+
+def _unproved_link(links: Links, known: Uncertainty, b1: Range) -> str:
+    """Which link is not proved, or nothing."""
+    two, one = (known.gamma[1], known.phi[1]), (known.gamma[0], known.phi[0])
+    if not links.hold.proved([known.b2], *two):
+        return "the Lyapunov function of holding (x2, u1) is not proved to fall as claimed"
+    if not links.back.proved([known.alpha[0]], *one):
+        return "the Lyapunov function of the return is not proved to fall as claimed"
+    if not links.approach.proved([b1, known.b2], *two):
+        return "the Lyapunov function of the approach is not proved to fall as claimed"
+    return ""
+
+
+def why_not(certificate: dict[str, Any]) -> str:
+    """Re-prove all that a certificate claims.
+
+    Parameters
+    ----------
+    certificate : dict
+        From `read`.
+
+    Returns
+    -------
+    str
+        Nothing if every claim was proved, else the first reason why not.
+
+    Raises
+    ------
+    NotACertificateError
+        If a part is missing or of the wrong kind.
+
+    Examples
+    --------
+    >>> why_not({"schema": SCHEMA})
+    Traceback (most recent call last):
+    ...
+    parkproof.proof.checker.certificate.NotACertificateError: 'law' ...
+    """
+    ctx.prec = PRECISION
+    try:
+        for flaw in _flaws(certificate):
+            return flaw
+        law, known = Law.of(certificate["law"]), Uncertainty.of(certificate["assumptions"])
+        links = links_of(certificate["law"], certificate["lyapunov"])
+        starts = certificate["assumptions"]["starts"]
+        peaks, b1 = run_bounds(starts, law, known, links)
+        return _false_claim(certificate["claim"], peaks) or _unproved_link(links, known, b1)
+    except GapError as error:
+        return str(error)
+    except (KeyError, TypeError, AttributeError, IndexError, ZeroDivisionError) as error:
+        raise NotACertificateError(f"{error} is missing or not of its kind") from error
+    except (ValueError, OverflowError) as error:  # a ball that is no number proves nothing
+        return f"arithmetic failed: {error}"
+
+
+def _ranges(given: dict[str, Any]) -> str:
+    return ", ".join(f"{name} in {pair}" for name, pair in given.items())
+
+
+def statement_of(certificate: dict[str, Any]) -> list[str]:
+    """Say what a certificate claims, from its numbers alone.
+
+    Parameters
+    ----------
+    certificate : dict
+        From `read`.
+
+    Returns
+    -------
+    list of str
+        Sentences.
+
+    Examples
+    --------
+    >>> statement_of({})
+    Traceback (most recent call last):
+    ...
+    KeyError: 'claim'
+    """
+    claim, given, law = certificate["claim"], certificate["assumptions"], certificate["law"]
+    (a1, a2), (g1, g2), (f1, f2) = given["alpha"], given["gamma"], given["disturbance"]
+    low, high = claim["x0_range"]
+    _, x1, x2, u0, u1 = claim["max_abs_state"]
+    tau1, tau2 = claim["max_tau"]
+    return [
+        "THEOREM. Let x0' = a1 u0, x1' = a2 u0 x2, x2' = b2 u1, u0' = g1 tau1 + f1 and "
+        "u1' = g2 tau2 + f2,",
+        f"where a1 in {a1}, a2 in {a2}, b2 in {given['b2']}, g1 in {g1}, g2 in {g2}, "
+        f"|f1| <= {f1} and |f2| <= {f2}, all of which may vary in time.",
+        f"Under the {law['name']} law with the gains of this file, from every start with "
+        f"{_ranges(given['starts'])}:",
+        f"1. Within {claim['total_time']} s the robot is parked: x0, x2, u0 and u1 are 0 and stay "
+        f"0, and x1 stays where it is, with |x1| <= {claim['x1_at_rest']}.",
+        f"2. Always |tau1| <= {tau1} and |tau2| <= {tau2}.",
+        f"3. Always {low} <= x0 <= {high} and |x1| <= {x1}: so it stays in such a view.",
+        f"4. Always |u0| <= {u0}, and, after a turn if it needs one, |x2| <= {x2} and "
+        f"|u1| <= {u1}.",
+        f"5. Always |v| <= {claim['max_speed']} and |omega| <= {claim['max_turn_rate']}, and the "
+        f"heading is within {claim['max_heading']} rad of the goal's.",
+        "This speaks of continuous time. What sampling, noise and latency add is not proved.",
+    ]

@@ -1,0 +1,248 @@
+"""Finds what a certificate proposes of each chain: weights, rates and sizes, by sampling.
+
+Nothing here is trusted: `parkproof.proof.checker` proves or refuses what is found.
+"""
+
+import itertools
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from parkproof.laws.gains import Gains
+from parkproof.proof.checker.balls import Range, exact
+from parkproof.proof.checker.chains import Chain, TwoChain
+from parkproof.proof.checker.lemmas import prove_rate, prove_sizes
+
+SHARES = (0.97, 0.9, 0.75, 0.5)
+"""Shares of a sampled rate that are tried in turn: the nearer to 1, the more boxes."""
+
+SLACKS = (1.02, 1.1, 1.3)
+"""Multiples of sampled sizes that are tried in turn."""
+
+
+def surface_points(dimension: int, count: int) -> list[tuple[float, ...]]:
+    """Points on the faces z_i = 1 of a cube.
+
+    Parameters
+    ----------
+    dimension : int
+        Of the space.
+    count : int
+        Points along an edge.
+
+    Returns
+    -------
+    list of tuples
+        The points.
+
+    Examples
+    --------
+    >>> len(surface_points(2, 5))
+    10
+    """
+    edge = [-1.0 + 2.0 * i / (count - 1) for i in range(count)]
+    return [
+        (*sides[:face], 1.0, *sides[face:])
+        for face in range(dimension)
+        for sides in itertools.product(edge, repeat=dimension - 1)
+    ]
+
+
+def sampled_rate(chain: Chain, gains: Sequence[Range], *, count: int) -> float:
+    """The largest c that V̇ ≤ −c·V^((1+q)/2) leaves possible at sampled points.
+
+    Parameters
+    ----------
+    chain : ThreeChain or TwoChain
+        V and V̇.
+    gains : sequence of pairs
+        Ranges of the gains; their ends are tried.
+    count : int
+        Points along an edge of the cube.
+
+    Returns
+    -------
+    float
+        c; not positive if V grows somewhere.
+
+    Examples
+    --------
+    >>> 0.5 < sampled_rate(TwoChain("7/9", (1.5, 6.5), 2.6), [(0.5, 1.5)], count=41) < 1.5
+    True
+    """
+    exponent = 0.5 * (1.0 + float(chain.q.mid()))
+    worst = math.inf
+    for corner in itertools.product(*(sorted(set(pair)) for pair in gains)):
+        ends = [exact(end) for end in corner]
+        for point in surface_points(chain.dimension, count):
+            value, rate = chain.value_and_rate(tuple(exact(x) for x in point), *ends)
+            worst = min(worst, -float(rate.mid()) / float(value.mid()) ** exponent)
+    return worst
+
+
+def sampled_sizes(chain: Chain, *, count: int) -> list[float]:
+    """The largest y_i²/V and ξ²/V at sampled points.
+
+    Parameters
+    ----------
+    chain : ThreeChain or TwoChain
+        V.
+    count : int
+        Points along an edge of the cube.
+
+    Returns
+    -------
+    list of floats
+        One for each coordinate, and one for ξ.
+
+    Examples
+    --------
+    >>> sizes = sampled_sizes(TwoChain("7/9", (1.5, 6.5), 2.6), count=41)
+    >>> round(sizes[0], 2)
+    2.0
+    """
+    found = [0.0] * (chain.dimension + 1)
+    one = exact(1)
+    for point in surface_points(chain.dimension, count):
+        y, xi = chain.coordinates(tuple(exact(x) for x in point))
+        value = float(chain.value(y, one).mid())
+        found = [max(a, float(x.mid()) ** 2 / value) for a, x in zip(found, (*y, xi), strict=True)]
+    return found
+
+
+def proved_sizes(chain: Chain, *, count: int) -> list[float] | None:
+    """Sizes of sublevel sets, sampled, given some slack, and proved.
+
+    Parameters
+    ----------
+    chain : ThreeChain or TwoChain
+        V.
+    count : int
+        Points along an edge of the cube.
+
+    Returns
+    -------
+    list of floats or None
+        The sizes; None if none was proved.
+
+    Examples
+    --------
+    >>> len(proved_sizes(TwoChain("7/9", (1.5, 6.5), 2.6), count=41))
+    3
+    """
+    sampled = sampled_sizes(chain, count=count)
+    for slack in SLACKS:
+        sizes = [float(f"{slack * size:.6g}") for size in sampled]
+        if prove_sizes(chain, sizes) > 0:
+            return sizes
+    return None
+
+
+def proved_rate(chain: Chain, gains: Sequence[Range], sampled: float) -> float | None:
+    """The largest share of a sampled rate that is proved.
+
+    Parameters
+    ----------
+    chain : ThreeChain or TwoChain
+        V and V̇.
+    gains : sequence of pairs
+        Ranges of the gains.
+    sampled : float
+        What sampling left possible.
+
+    Returns
+    -------
+    float or None
+        c; None if none was proved.
+
+    Examples
+    --------
+    >>> proved_rate(TwoChain("7/9", (1.5, 6.5), 2.6), [(0.5, 1.5)], -1.0) is None
+    True
+    """
+    if sampled <= 0.0:
+        return None
+    for share in SHARES:
+        rate = float(f"{share * sampled:.6g}")
+        if prove_rate(chain, rate, gains) > 0:
+            return rate
+    return None
+
+
+def two_chain_link(q: str, k: tuple[float, float], gains: Range) -> dict[str, Any] | None:
+    """Find and prove the Lyapunov function of a two-chain.
+
+    Parameters
+    ----------
+    q : str
+        q2 as a ratio.
+    k : pair of floats
+        Gains k̃1, k̃3.
+    gains : pair of floats
+        Range of b in ẋ = b·u.
+
+    Returns
+    -------
+    dict or None
+        Weight k2, rate and sizes; None if V falls for no weight tried.
+
+    Examples
+    --------
+    >>> two_chain_link("7/9", (1.5, 6.5), (0.5, 1.5))["rate"] > 1.0
+    True
+    """
+    from scipy.optimize import minimize_scalar
+
+    def merit(log_weight: float, count: int = 15) -> float:
+        """The time from rest at 1, to a factor; negative rates sort behind all others."""
+        chain = TwoChain(q, k, math.exp(log_weight))
+        rate = sampled_rate(chain, [gains], count=count)
+        level = float(chain.value((exact(1), exact(0)), exact(1)).mid())
+        half = 0.5 * (1.0 - float(chain.q.mid()))
+        return level**half / rate if rate > 0.0 else 1e6 * (1.0 - rate)
+
+    coarse = min((merit(x), x) for x in [math.log(k[1]) + 0.5 * i for i in range(-8, 9)])[1]
+    found = minimize_scalar(merit, bounds=(coarse - 0.5, coarse + 0.5), options={"xatol": 0.02})
+    weight = float(f"{math.exp(found.x):.6g}")
+    chain = TwoChain(q, k, weight)
+    rate = proved_rate(chain, [gains], sampled_rate(chain, [gains], count=201))
+    sizes = proved_sizes(chain, count=201)
+    if rate is None or sizes is None:
+        return None
+    return {"k2": weight, "rate": rate, "sizes": sizes}
+
+
+def approach_link(
+    gains: Gains, weights: tuple[float, float], ranges: Sequence[Range], rate: float
+) -> dict[str, Any] | None:
+    """Prove the Lyapunov function of Step 2 with given weights.
+
+    Parameters
+    ----------
+    gains : Gains
+        q1 and l are used.
+    weights : two floats
+        k1, k2.
+    ranges : two pairs
+        Ranges of b1 and b2.
+    rate : float
+        What sampling left possible.
+
+    Returns
+    -------
+    dict or None
+        Weights, rate and sizes; None if the rate was not proved.
+
+    Examples
+    --------
+    >>> approach_link(Gains(q1="13/15"), (3.0, 120.0), [(0.25, 1.5), (1.0, 1.0)], -0.1) is None
+    True
+    """
+    from parkproof.proof.checker.chains import ThreeChain
+
+    chain = ThreeChain(str(gains.exponents[1]), gains.l, weights, 1.0)
+    proved = proved_rate(chain, ranges, rate)
+    sizes = proved_sizes(chain, count=33) if proved is not None else None
+    if proved is None or sizes is None:
+        return None
+    return {"k": list(weights), "w": 1.0, "rate": proved, "sizes": sizes}
