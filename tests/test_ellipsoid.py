@@ -152,6 +152,22 @@ def test_every_end_of_every_interval_counts() -> None:
     assert not ellipsoid.prove_rate(0.02, 0.1, *BOX, 4.0)
 
 
+def test_each_end_of_the_input_gain_has_its_own_rho() -> None:
+    ellipsoid = Ellipsoid(NUMBERS, K)
+    for pair in ((0.05, 0.3), (0.3, 0.05), (0.1, 0.1)):
+        ends = [
+            [
+                rate
+                for rate in np.linspace(-0.5, 0.5, 101)
+                if ellipsoid.prove_rate(float(rate), rho, *BOX[:2], (end, end), 0.4)
+            ][-1]
+            for rho, end in zip(pair, BOX[2], strict=True)
+        ]
+        assert ellipsoid.prove_rate(float(min(ends)), pair, *BOX, 0.4)
+        assert not ellipsoid.prove_rate(float(min(ends)) + 0.011, pair, *BOX, 0.4)
+    assert not ellipsoid.prove_rate(0.02, (0.1, 0.0), *BOX, 0.4)
+
+
 def test_claims_about_disturbances_that_make_no_sense_are_refused() -> None:
     ellipsoid = Ellipsoid(NUMBERS, K)
     assert not ellipsoid.prove_rate(0.02, 0.0, *BOX, 0.4)

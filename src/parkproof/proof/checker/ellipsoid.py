@@ -19,9 +19,11 @@ for every ρ > 0, the last because 2cφ ≤ (φ^M c)²/ρ + ρ and z'Pz = 1. Hen
 
     M = P(A + γbk) + (A + γbk)'P + (φ^M²/ρ)Pbb'P + ρP + β(HP + PH) ≤ 0.
 
-M is affine in (b1, b2, γ), and a matrix that is affine on a box of them and ≤ 0 at its vertices is
-≤ 0 on the box. The inequality holds at each moment by itself, so the gains may vary in any manner;
-and it is V that falls, so V reaches 0 within V(x(0))/β.
+M is affine in (b1, b2, γ), and (φ^M²/ρ)Pbb'P + ρP is convex in ρ, as a matrix. So with a ρ for each
+end of γ's interval, and the value between them in proportion where γ lies between, M is at most the
+mean of what it is at the vertices: if it is ≤ 0 there, it is ≤ 0 on the box. The inequality holds
+at each moment by itself, so the gains may vary in any manner; and it is V that falls, so V reaches
+0 within V(x(0))/β.
 """
 
 import itertools
@@ -35,6 +37,7 @@ Exact = int | float | Fraction | fmpq
 """A number taken exactly as it is; a float means its binary value."""
 
 Interval = tuple[Exact, Exact]
+Rho = Exact | Interval
 End = float | arb
 
 DEGREES = (3, 2, 1)
@@ -164,7 +167,7 @@ class Ellipsoid:
         return positive_definite(self._P) and positive_definite(self._HP)
 
     def prove_rate(
-        self, rate: Exact, rho: Exact, b1: Interval, b2: Interval, gamma: Interval, phi: Exact
+        self, rate: Exact, rho: Rho, b1: Interval, b2: Interval, gamma: Interval, phi: Exact
     ) -> bool:
         """Prove that V falls at least at a rate, whatever the gains do in their intervals.
 
@@ -172,8 +175,9 @@ class Ellipsoid:
         ----------
         rate : float
             β.
-        rho : float
-            ρ > 0 of the matrix inequality; any number where phi = 0.
+        rho : float or pair of floats
+            ρ > 0 of the matrix inequality, one for both ends of γ's interval or one for each; any
+            number where phi = 0.
         b1, b2, gamma : pairs of numbers
             Ends of the intervals of b1, b2 and γ.
         phi : float
@@ -191,15 +195,22 @@ class Ellipsoid:
         >>> [ellipsoid.prove_rate(rate, 0.0, one, one, one, 0.0) for rate in (0.1, 1.0)]
         [True, False]
         """
-        beta, weight, bound = rational(rate), rational(rho), rational(phi)
-        if not self.sound() or bound < 0 or (bound > 0 and weight <= 0):
+        bound = rational(phi)
+        weights = [rational(end) for end in (rho if isinstance(rho, tuple | list) else (rho, rho))]
+        if not self.sound() or bound < 0 or (bound > 0 and min(weights) <= 0):
             return False
-        fixed = beta * self._HP
-        if bound > 0:
-            Pb = fmpq_mat(3, 1, [self._P[i, 2] for i in range(3)])
-            fixed += (bound * bound / weight) * (Pb * Pb.transpose()) + weight * self._P
-        ends = [[rational(end) for end in interval] for interval in (b1, b2, gamma)]
-        return all(not_positive(fixed + self._flow(*vertex)) for vertex in itertools.product(*ends))
+        fixed = rational(rate) * self._HP
+        for at_gamma, weight in zip(gamma, weights, strict=True):
+            added = fixed + self._pushed(bound, weight) if bound > 0 else fixed
+            for vertex in itertools.product(map(rational, b1), map(rational, b2)):
+                if not not_positive(added + self._flow(*vertex, rational(at_gamma))):
+                    return False
+        return True
+
+    def _pushed(self, bound: fmpq, weight: fmpq) -> fmpq_mat:
+        """(φ^M²/ρ)Pbb'P + ρP."""
+        Pb = fmpq_mat(3, 1, [self._P[i, 2] for i in range(3)])
+        return (bound * bound / weight) * (Pb * Pb.transpose()) + weight * self._P
 
     def _flow(self, b1: fmpq, b2: fmpq, gamma: fmpq) -> fmpq_mat:
         """P(A + γbk) + (A + γbk)'P."""
