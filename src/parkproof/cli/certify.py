@@ -1,4 +1,4 @@
-"""``parkproof certify``: a certificate of Step 2."""
+"""``parkproof certify``: a certificate of whole runs."""
 
 import json
 from pathlib import Path
@@ -13,32 +13,24 @@ def certify(
     *,
     out: Path = Path("certificate.json"),
     settings: Annotated[list[str] | None, Parameter(name="--set")] = None,
-    start: tuple[float, float, float] = (1.0, 0.0, 0.0),
-    gain_range: tuple[float, float] | None = None,
-    varying: bool = False,
     overwrite: bool = False,
     quiet: bool = False,
 ) -> int:
-    """Prove that Step 2 settles in a given time, and write the proof as a certificate.
+    """Prove that runs with given gains park, and write the proof as a certificate.
 
-    Proves, in ball arithmetic, that Step 2 with the gains of a file brings (x1, x2, u1) to zero
-    within a time, for every camera, motor gain and disturbance within the bounds. Covers Step 2
-    alone, in continuous time. Exit status 1 if no such claim could be proved.
+    Proves in ball arithmetic that from every start of a box, for every camera, motor gain and
+    disturbance within the bounds, the robot is parked within a time, and what it does not exceed
+    on the way. Speaks of continuous time. Exit status 1 if no such claim could be proved.
 
     Parameters
     ----------
     gains : Path
-        A scenario file, or a file with [bounds] and [gains].
+        A file with [bounds] and [gains], and [starts], [switching] and law if not the defaults; or
+        a scenario, whose start is then the only one.
     out : Path
         The certificate; default certificate.json.
     settings : list of str, optional
         Override a key of the file, as in gains.l[2]=30; may be repeated.
-    start : three floats
-        Step 2 may start with |x1|, |x2|, |u1| up to these; default 1 0 0.
-    gain_range : two floats, optional
-        Range of b1 = alpha2 |u0|; default that of alpha2 times runup_speed.
-    varying : bool
-        Let b1 vary in time, as under a tilted camera or while u0 changes; else it is constant.
     overwrite : bool
         Replace the certificate if there is one.
     quiet : bool
@@ -49,47 +41,71 @@ def certify(
     int
         Exit status.
 
+    Raises
+    ------
+    InputError
+        If the file is no such file, its law is the published one, or a library is missing.
+
     Examples
     --------
-    >>> certify(Path("gains.toml"), quiet=True)
-    Consider x1' = b1 x2...
-    0
+    >>> certify(Path("gains.toml"), settings=["law='published'"], quiet=True)
+    Traceback (most recent call last):
+    ...
+    parkproof.errors.InputError: ...law = "published"...
     """
     from parkproof.cli.console import progress, stdout_console
-    from parkproof.cli.files import write_file
+    from parkproof.cli.files import check_target, write_file
+    from parkproof.errors import InputError
     from parkproof.extras import require
-    from parkproof.scenario_file import read_gains_file
-    from parkproof.validate import not_negative
+    from parkproof.spec import read_spec
 
     require("flint", "scipy", extra="proof", purpose="parkproof certify")
-    from parkproof.proof.certify import certify_step2
-    from parkproof.proof.verify import statement_of
+    from parkproof.proof.checker.statement import statement_of
+    from parkproof.proof.whole_run import certify as prove
 
-    given = read_gains_file(gains, overrides=settings or ())
-    speed = given.gains.runup_speed
-    low, high = given.bounds.alpha_of(1)
-    sizes = [not_negative("start", size) for size in start]
+    spec = read_spec(gains, overrides=settings or ())
+    if spec.gains is None:
+        raise InputError(
+            f"{gains}: has no [gains] to certify; write them, or find some with: parkproof design "
+            f"{gains}"
+        )
+    if spec.law == "published":
+        raise InputError(
+            f'{gains}: law = "published": its Step 3 leaves the goal again, so there is nothing to '
+            'certify; write law = "corrected"'
+        )
+    check_target(out, overwrite=overwrite)
+    law = spec.law or "corrected"
     with progress(quiet=quiet) as report:
-        found = certify_step2(
-            given.gains,
-            b1=gain_range or (speed * low, speed * high),
-            varies=varying,
-            start=[(0.0 - size, size) for size in sizes],
+        found = prove(
+            law=law,
+            bounds=spec.bounds,
+            b2=spec.bounds.b2,
+            gains=spec.gains,
+            switching=spec.switching,
+            starts=spec.starts.ranges,
             progress=lambda text: report(text, 0.0),
         )
     console = stdout_console()
-    if found is None:
-        console.print(
-            "Not proved: no weights were found with which V decreases for all of these gains. A "
-            "narrower range of b1, larger l2 and l3, or a q1 nearer to 1 would help.",
-        )
+    if found.certificate is None:
+        console.print(f"Not proved: {found.reason}.", soft_wrap=True)
         return 1
     write_file(out, json.dumps(found.certificate, indent=1) + "\n", overwrite=overwrite)
     for line in statement_of(found.certificate):
         console.print(line, soft_wrap=True)
     console.print()
-    console.print(
-        f"Proved in {found.boxes:,} boxes. Wrote {out}; re-prove it with: parkproof verify {out}",
-        soft_wrap=True,
-    )
+    if law == "corrected" and spec.gains.return_steering:
+        console.print(
+            "Note: the theorem is about the law without steering in Step 3; write "
+            "return_steering = false in [gains] of a scenario that is to rely on it.",
+            soft_wrap=True,
+        )
+    if spec.switching is None:
+        switching = {name: found.certificate["law"][name] for name in SWITCHING}
+        console.print(f"Note: found for [switching]: {switching}.", soft_wrap=True)
+    console.print(f"Proved. Wrote {out}; re-prove it with: parkproof verify {out}", soft_wrap=True)
     return 0
+
+
+SWITCHING = ("tolerance", "hysteresis", "turn_tolerance", "chart_limit")
+"""What is chosen where a file has no [switching]."""

@@ -9,6 +9,38 @@ from parkproof.cli.errors import why_not
 from parkproof.errors import InputError
 
 
+def check_target(path: Path, *, overwrite: bool) -> None:
+    """Check, before long work, that a file may be written where it is to go.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    overwrite : bool
+        Whether an existing file may be replaced.
+
+    Raises
+    ------
+    InputError
+        If it is a directory, or exists and may not be replaced, or its folder is missing.
+
+    Examples
+    --------
+    >>> check_target(Path("gains.toml"), overwrite=False)
+    Traceback (most recent call last):
+    ...
+    parkproof.errors.InputError: gains.toml already exists; ...
+    """
+    if path.is_dir():
+        raise InputError(f"{path} is a directory; name a file in it, {path / 'certificate.json'}")
+    if path.is_file() and not overwrite:
+        raise InputError(
+            f"{path} already exists; write --overwrite to replace it, or choose another file"
+        )
+    if not path.parent.is_dir():
+        raise InputError(f"{path}: there is no folder {path.parent}; make it, or choose another")
+
+
 def write_file(path: Path, text: str, *, overwrite: bool) -> None:
     """Write a text file that appears only when it is complete.
 

@@ -35,16 +35,17 @@ def verify(certificate: Path, /) -> int:
     from parkproof.extras import require
 
     require("flint", extra="proof", purpose="parkproof verify")
-    from parkproof.proof.verify import NotACertificateError, prove, read, statement_of
+    from parkproof.proof.checker.certificate import NotACertificateError, read, why_not
+    from parkproof.proof.checker.statement import statement_of
 
     try:
         found = read(certificate.read_text(encoding="utf-8"))
-        proved = prove(found)
+        reason = why_not(found)
     except (NotACertificateError, OSError, UnicodeDecodeError) as error:
         raise InputError(f"{certificate}: {error}") from error
     console = stdout_console()
-    if not proved:
-        console.print("NOT PROVED: what this certificate claims does not follow.")
+    if reason:
+        console.print(f"NOT PROVED: {reason}.", soft_wrap=True)
         return 1
     for line in statement_of(found):
         console.print(line, soft_wrap=True)

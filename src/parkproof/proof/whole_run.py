@@ -22,7 +22,7 @@ from parkproof.proof.checker.certificate import (
 from parkproof.proof.checker.parts import GapError, Law, Peaks, Uncertainty
 from parkproof.proof.checker.starts import boxes
 from parkproof.proof.checker.whole_run import gain_range, run_bounds
-from parkproof.proof.find_links import approach_link, two_chain_link
+from parkproof.proof.find_links import approach_link, ellipsoid_link, two_chain_link
 
 
 @dataclass(frozen=True)
@@ -217,7 +217,7 @@ def certify(
     try:
         ranges = _gain_ranges(section, assumptions, lyapunov)
         progress(f"approach: Lyapunov function for b1 in [{ranges[0][0]:.3g}, {ranges[0][1]:.3g}]")
-        approach = _approach(gains, ranges)
+        approach = _approach(law, gains, ranges, bounds)
         if approach is None:
             return Certified(
                 None,
@@ -252,7 +252,13 @@ def _gain_ranges(
     return [gain_range(law, known, starting), known.b2]
 
 
-def _approach(gains: Gains, ranges: list[tuple[float, float]]) -> dict[str, Any] | None:
+def _approach(
+    law: str, gains: Gains, ranges: list[tuple[float, float]], bounds: Bounds
+) -> dict[str, Any] | None:
+    """The link of Step 2, proved."""
+    if law == "homogeneous":
+        gamma, phi = bounds.gamma_of(1), bounds.disturbance_of(1)
+        return ellipsoid_link(gains.ellipsoid or (), gains.feedback or (), ranges, gamma, phi)
     weights, rate = best_weights(gains, b1=ranges[0], varies=True)
     return approach_link(gains, weights, ranges, rate)
 

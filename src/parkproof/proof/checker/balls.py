@@ -138,6 +138,27 @@ def largest(*numbers: arb) -> arb:
     return top
 
 
+def least(*numbers: arb) -> arb:
+    """A lower bound of all of some numbers.
+
+    Parameters
+    ----------
+    *numbers : arb
+        Balls.
+
+    Returns
+    -------
+    arb
+        The least lower end.
+
+    Examples
+    --------
+    >>> least(arb(1), arb(3), arb(2)) == 1
+    True
+    """
+    return -largest(*(-number for number in numbers))
+
+
 def ball(low: float, high: float) -> arb:
     """The ball between two exact ends.
 

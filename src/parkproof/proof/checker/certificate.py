@@ -152,7 +152,7 @@ def links_of(law: dict[str, Any], lyapunov: dict[str, Any]) -> Links:
     approach: Link
     if law["name"] == "homogeneous":
         ellipsoid = Ellipsoid(law["ellipsoid"], law["feedback"])
-        approach = Homogeneous(ellipsoid, found["rate"], found["rho"])
+        approach = Homogeneous(ellipsoid, found["rate"], (found["rho"][0], found["rho"][1]))
     else:
         chain = ThreeChain(law["q1"], law["l"], found["k"], 1.0)
         approach = PowerIntegrator(chain, found["rate"], tuple(found["sizes"]))
@@ -188,7 +188,8 @@ def _flaws(certificate: dict[str, Any]) -> Iterator[str]:
         yield "a range of the assumptions is crossed"
     gains = ["k", "hold", "tolerance", "lambda1", "runup_speed", "turn_tolerance", "chart_limit"]
     gains += ["l"] if law["name"] == "corrected" else []
-    positive = _numbers([lyapunov, given["alpha"], given["gamma"], given["b2"]])
+    links = [{**link, "rho": []} for link in lyapunov.values()]  # ρ is 0 without disturbance
+    positive = _numbers([links, given["alpha"], given["gamma"], given["b2"]])
     positive += _numbers([law[name] for name in gains])
     if not all(number > 0 for number in positive) or min(given["disturbance"]) < 0:
         yield "a gain, weight or bound is not positive"
@@ -277,51 +278,3 @@ def why_not(certificate: dict[str, Any]) -> str:
         raise NotACertificateError(f"{error} is missing or not of its kind") from error
     except (ValueError, OverflowError) as error:  # a ball that is no number proves nothing
         return f"arithmetic failed: {error}"
-
-
-def _ranges(given: dict[str, Any]) -> str:
-    return ", ".join(f"{name} in {pair}" for name, pair in given.items())
-
-
-def statement_of(certificate: dict[str, Any]) -> list[str]:
-    """Say what a certificate claims, from its numbers alone.
-
-    Parameters
-    ----------
-    certificate : dict
-        From `read`.
-
-    Returns
-    -------
-    list of str
-        Sentences.
-
-    Examples
-    --------
-    >>> statement_of({})
-    Traceback (most recent call last):
-    ...
-    KeyError: 'claim'
-    """
-    claim, given, law = certificate["claim"], certificate["assumptions"], certificate["law"]
-    (a1, a2), (g1, g2), (f1, f2) = given["alpha"], given["gamma"], given["disturbance"]
-    low, high = claim["x0_range"]
-    _, x1, x2, u0, u1 = claim["max_abs_state"]
-    tau1, tau2 = claim["max_tau"]
-    return [
-        "THEOREM. Let x0' = a1 u0, x1' = a2 u0 x2, x2' = b2 u1, u0' = g1 tau1 + f1 and "
-        "u1' = g2 tau2 + f2,",
-        f"where a1 in {a1}, a2 in {a2}, b2 in {given['b2']}, g1 in {g1}, g2 in {g2}, "
-        f"|f1| <= {f1} and |f2| <= {f2}, all of which may vary in time.",
-        f"Under the {law['name']} law with the gains of this file, from every start with "
-        f"{_ranges(given['starts'])}:",
-        f"1. Within {claim['total_time']} s the robot is parked: x0, x2, u0 and u1 are 0 and stay "
-        f"0, and x1 stays where it is, with |x1| <= {claim['x1_at_rest']}.",
-        f"2. Always |tau1| <= {tau1} and |tau2| <= {tau2}.",
-        f"3. Always {low} <= x0 <= {high} and |x1| <= {x1}: so it stays in such a view.",
-        f"4. Always |u0| <= {u0}, and, after a turn if it needs one, |x2| <= {x2} and "
-        f"|u1| <= {u1}.",
-        f"5. Always |v| <= {claim['max_speed']} and |omega| <= {claim['max_turn_rate']}, and the "
-        f"heading is within {claim['max_heading']} rad of the goal's.",
-        "This speaks of continuous time. What sampling, noise and latency add is not proved.",
-    ]

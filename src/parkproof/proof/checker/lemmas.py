@@ -17,6 +17,7 @@ from parkproof.proof.checker.balls import (
     down,
     exact,
     largest,
+    least,
     point_power,
     power,
     prove_on_surface,
@@ -253,7 +254,7 @@ def inner_level(chain: Chain, sizes: Sequence[float], tolerance: arb) -> arb:
         (point_power(edge, 2 / r) / exact(factor)).lower()
         for factor, r in zip(sizes, chain.degrees, strict=False)
     ]
-    return -largest(*(-level for level in levels))
+    return least(*levels)
 
 
 def first_integral(chain: Chain, sizes: Sequence[float], rate: float, level: arb) -> arb:

@@ -6,7 +6,7 @@ from typing import Protocol
 
 from flint import arb
 
-from parkproof.proof.checker.balls import Range, exact, largest, point_power
+from parkproof.proof.checker.balls import Range, exact, largest, least, point_power
 from parkproof.proof.checker.chains import Chain
 from parkproof.proof.checker.ellipsoid import Ellipsoid
 from parkproof.proof.checker.lemmas import (
@@ -110,8 +110,10 @@ class Homogeneous:
     ----------
     ellipsoid : Ellipsoid
         P and k.
-    rate, rho : float
-        β and ρ of the matrix inequality.
+    rate : float
+        β of the matrix inequality.
+    rho : pair of floats
+        Its ρ at both ends of γ's interval.
 
     Examples
     --------
@@ -121,7 +123,7 @@ class Homogeneous:
 
     ellipsoid: Ellipsoid
     rate: float
-    rho: float
+    rho: Range
 
     def proved(self, gains: Sequence[Range], gamma: Range, phi: float) -> bool:
         """Whether the matrix inequality holds for these ranges."""
@@ -153,4 +155,4 @@ class Homogeneous:
             point_power((tolerance / one).lower(), arb(1) / degree).lower()
             for one, degree in zip(ones, (3, 2, 1), strict=True)
         ]
-        return -largest(*(-level for level in levels))
+        return least(*levels)

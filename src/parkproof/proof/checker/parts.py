@@ -5,7 +5,7 @@ from typing import Any
 
 from flint import arb
 
-from parkproof.proof.checker.balls import Range, exact, largest, size
+from parkproof.proof.checker.balls import Range, exact, largest, least, size
 from parkproof.proof.checker.links import Interval, Link, PowerIntegrator
 
 
@@ -131,7 +131,7 @@ class Peaks:
 
     def meet(self, x0: Interval, x1: arb, x2: arb, u0: arb, u1: arb, tau1: arb, tau2: arb) -> None:
         """Take in a phase inside the chart."""
-        self.x0 = [-largest(-self.x0[0], -x0[0]), largest(self.x0[1], x0[1])]
+        self.x0 = [least(self.x0[0], x0[0]), largest(self.x0[1], x0[1])]
         sizes = [largest(-self.x0[0], self.x0[1]), x1, x2, u0, u1]
         self.states = [largest(a, b) for a, b in zip(self.states, sizes, strict=True)]
         self.tau = [largest(self.tau[0], tau1), largest(self.tau[1], tau2)]
@@ -205,4 +205,4 @@ def product(one: Interval, two: Interval) -> Interval:
     [-3.0, 6.0]
     """
     corners = [a * b for a in one for b in two]
-    return -largest(*(-c for c in corners)), largest(*corners)
+    return least(*corners), largest(*corners)

@@ -16,8 +16,8 @@ from typing import Any
 
 from flint import arb
 
-from parkproof.proof.checker.balls import Range, down, exact, largest, point_power, size, up
-from parkproof.proof.checker.links import Interval
+from parkproof.proof.checker.balls import Range, down, exact, largest, least, point_power, size, up
+from parkproof.proof.checker.links import Interval, PowerIntegrator
 from parkproof.proof.checker.parts import (
     Box,
     GapError,
@@ -60,49 +60,83 @@ def gain_range(law: Law, known: Uncertainty, starting: list[Box]) -> Range:
         If the tolerance of Step 1 is not below the run-up speed.
     """
     ranges = [cruise_range(law, box, way) for box in starting for way, _ in directions(law, box)]
-    slowest = -largest(*(-low for low, _ in ranges))
+    slowest = least(*(low for low, _ in ranges))
     if not slowest > 0:
         raise GapError("the tolerance of Step 1 must be below runup_speed")
     low, high = (exact(end) for end in known.alpha[1])
     return down(low * slowest), up(high * largest(*(top for _, top in ranges)))
 
 
-def _run_up_and_approach(
-    box: Box, way: int, x0: Interval, law: Law, known: Uncertainty, links: Links, peaks: Peaks
-) -> tuple[Interval, Interval, arb]:
-    """Steps 1 and 2: ranges of x0 and u0 in which Step 2 ends, and the time until then."""
-    gamma, phi, (_, alpha1), (_, alpha2) = known.gamma, known.phi, *known.alpha
-    a1, a2, b2 = exact(alpha1), exact(alpha2), exact(known.b2[1])
+def run_up(
+    box: Box,
+    way: int,
+    x0: Interval,
+    law: Law,
+    known: Uncertainty,
+    hold: PowerIntegrator,
+    peaks: Peaks,
+) -> Box:
+    """Step 1: the box in which it ends.
+
+    Parameters
+    ----------
+    box : Box
+        Where it begins, for all x0.
+    way : int
+        Direction of travel.
+    x0 : tuple of 2 arb
+        Range of x0 from which that direction is taken.
+    law, known, hold
+        The run.
+    peaks : Peaks
+        Takes in what is met.
+
+    Returns
+    -------
+    Box
+        Its u0 is that of the approach.
+    """
+    gamma, phi = known.gamma, known.phi
+    a1, a2, b2 = exact(known.alpha[0][1]), exact(known.alpha[1][1]), exact(known.b2[1])
     target = law.cruise if way > 0 else -law.cruise
     error = largest(size(box.u0[0] - target), size(box.u0[1] - target))
     power_of_error = 1 - law.q0
     fall = point_power(error, power_of_error) - point_power(law.tolerance1, power_of_error)
-    first = largest(arb(0), fall / (law.lambda1 * power_of_error))
-    slow = -largest(-box.u0[0], -target)
-    fast = largest(box.u0[1], target)
+    time = largest(arb(0), fall / (law.lambda1 * power_of_error))
+    slow, fast = least(box.u0[0], target), largest(box.u0[1], target)
     u0 = largest(size(slow), size(fast))
-    # u0 has one sign, or x0 may move both ways
-    x0 = plus(x0, -a1 * largest(arb(0), -slow) * first, a1 * largest(arb(0), fast) * first)
+    x0 = plus(x0, -a1 * largest(arb(0), -slow) * time, a1 * largest(arb(0), fast) * time)
 
-    level = links.hold.level([box.x2, box.u1])
-    x2, u1 = links.hold.states(level)
-    tau2 = links.hold.tau(level, gamma[1], phi[1])
+    level = hold.level([box.x2, box.u1])
+    x2, u1 = hold.states(level)
+    tau2 = hold.tau(level, gamma[1], phi[1])
+    # in a short time neither gets as far as V allows
     push = exact(gamma[1][1]) * tau2 + exact(phi[1])
-    u1 = -largest(-u1, -(largest_size(box.u1) + push * first))
-    x2 = -largest(-x2, -(largest_size(box.x2) + b2 * u1 * first))
-    x1 = (box.x1 + a2 * u0 * x2 * first).upper()
+    u1 = least(u1, largest_size(box.u1) + push * time)
+    x2 = least(x2, largest_size(box.x2) + b2 * u1 * time)
+    x1 = (box.x1 + a2 * u0 * x2 * time).upper()
     tau1 = (law.lambda1 * point_power(error, law.q0) + exact(phi[0])) / exact(gamma[0][0])
     peaks.meet(x0, x1, x2, u0, u1, tau1, tau2)
+    low, high = cruise_range(law, box, way)
+    cruising = (low, high) if way > 0 else (-high, -low)
+    return Box(x0, x1, around(x2), cruising, around(u1), (box.after + time).upper())
 
-    slowest, fastest = cruise_range(law, box, way)
-    level = links.approach.level([around(x1), around(x2), around(u1)])
-    second = links.approach.seconds(level, links.approach.inner_level(law.tolerance2))
-    far = a1 * fastest * second
-    x0 = plus(x0, arb(0), far) if way > 0 else plus(x0, -far, arb(0))
+
+def _approach(
+    box: Box, way: int, law: Law, known: Uncertainty, links: Links, peaks: Peaks
+) -> tuple[Interval, arb]:
+    """Step 2: the range of x0 in which it ends, and the time until then."""
+    level = links.approach.level([around(box.x1), box.x2, box.u1])
+    time = links.approach.seconds(level, links.approach.inner_level(law.tolerance2))
+    fastest = largest_size(box.u0)
+    far = exact(known.alpha[0][1]) * fastest * time
+    x0 = plus(box.x0, arb(0), far) if way > 0 else plus(box.x0, -far, arb(0))
     x1, x2, u1 = links.approach.states(level)
-    tau1 = (law.lambda1 * point_power(law.tolerance1, law.q0) + exact(phi[0])) / exact(gamma[0][0])
-    peaks.meet(x0, x1, x2, fastest, u1, tau1, links.approach.tau(level, gamma[1], phi[1]))
-    return x0, (slowest, fastest) if way > 0 else (-fastest, -slowest), first + second
+    correction = law.lambda1 * point_power(law.tolerance1, law.q0)
+    tau1 = (correction + exact(known.phi[0])) / exact(known.gamma[0][0])
+    tau2 = links.approach.tau(level, known.gamma[1], known.phi[1])
+    peaks.meet(x0, x1, x2, fastest, u1, tau1, tau2)
+    return x0, box.after + time
 
 
 def _return(
@@ -128,7 +162,7 @@ def _return(
             f"in the return x1 may drift to {ratio:.3g} times its tolerance, and the law go back: "
             f"hysteresis must be at least {ratio:.3g}"
         )
-    ends = (-largest(far, -x0[0]), largest(far, x0[1]))
+    ends = (least(-far, x0[0]), largest(far, x0[1]))
     tau1 = links.back.tau(along, gamma[0], phi[0])
     tau2 = links.hold.tau(across, gamma[1], phi[1])
     peaks.meet(ends, x1, steep, fast, spin, tau1, tau2)
@@ -162,13 +196,14 @@ def run_bounds(
     starting = list(boxes(starts, law, known, links.hold, peaks))
     for box in starting:
         for way, x0 in directions(law, box):
-            end, u0, time = _run_up_and_approach(box, way, x0, law, known, links, peaks)
-            tolerance = law.tolerance2
-            time += _return(end, u0, tolerance, tolerance, law, known, links, peaks)
-            peaks.time = largest(peaks.time, box.after + time)
+            cruising = run_up(box, way, x0, law, known, links.hold, peaks)
+            end, time = _approach(cruising, way, law, known, links, peaks)
+            small = law.tolerance2
+            time += _return(end, cruising.u0, small, small, law, known, links, peaks)
+            peaks.time = largest(peaks.time, time)
         straight = largest(law.tolerance2, law.turn_tolerance)
         # with nothing to correct across, the law begins in Step 3
-        x2, u1 = (-largest(-straight, -largest_size(pair)) for pair in (box.x2, box.u1))
+        x2, u1 = (least(straight, largest_size(pair)) for pair in (box.x2, box.u1))
         time = _return(box.x0, box.u0, x2, u1, law, known, links, peaks)
         peaks.time = largest(peaks.time, box.after + time)
     if not peaks.states[2] <= law.turn_again:

@@ -1,0 +1,386 @@
+"""Designs gains: searches candidates for the least price, then certifies the one it chose."""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any
+
+from parkproof.errors import InputError
+from parkproof.laws.gains import Gains
+from parkproof.proof.candidates import (
+    SHARE,
+    Candidate,
+    Engine,
+    HomogeneousEngine,
+    Knobs,
+    PaperEngine,
+)
+from parkproof.proof.certify import best_weights
+from parkproof.proof.find_links import approach_link, two_chain_link
+from parkproof.proof.scaling import ThreeChainForm, TwoChainForm
+from parkproof.proof.whole_run import certify
+from parkproof.spec import Spec
+
+TWO_CHAIN = ("7/9", (1.5, 6.5))
+"""q2 and k̃1, k̃3 of the normalised form of holding and return: the paper's."""
+
+FORMS = (("9/11", (1.0, 2.5, 8.0)), ("9/11", (2.0, 4.2, 21.0)))
+"""q1 and l of the normalised forms of Step 2 that are tried."""
+
+LOWEST, HIGHEST = Knobs(0.05, 0.1, 0.2, 0.15), Knobs(3.0, 6.0, 6.0, 4.0)
+"""Where the search looks; the homogeneous law's τ2 has its own range."""
+
+
+@dataclass
+class Design:
+    """What a design found.
+
+    Attributes
+    ----------
+    spec : Spec
+        For what.
+    chosen : Candidate or None
+        The best candidate; None if none was found at all.
+    certificate : dict or None
+        Its certificate; None if a limit cannot be kept.
+    reason : str
+        Why there is no certificate.
+    looked_at : list of Candidate
+        All candidates, with bounds that follow from proved links.
+    interrupted : bool
+        Whether the search was cut short.
+
+    Examples
+    --------
+    >>> from parkproof.spec import UncertainBounds
+    >>> Design(Spec(bounds=UncertainBounds())).certificate is None
+    True
+    """
+
+    spec: Spec
+    chosen: Candidate | None = None
+    certificate: dict[str, Any] | None = None
+    reason: str = ""
+    looked_at: list[Candidate] = field(default_factory=list)
+    interrupted: bool = False
+
+
+def check_feasible(spec: Spec) -> None:
+    """Refuse what no gains can do.
+
+    Parameters
+    ----------
+    spec : Spec
+        What is wanted.
+
+    Raises
+    ------
+    InputError
+        If an input does not dominate its disturbance, or a start lies outside the view or moves
+        faster than allowed.
+
+    Examples
+    --------
+    >>> from parkproof.bounds import Limits
+    >>> from parkproof.spec import UncertainBounds
+    >>> known = UncertainBounds(gamma=(0.5, 1.0), disturbance=3.0)
+    >>> check_feasible(Spec(bounds=known, limits=Limits(tau=(5.0, 5.0))))
+    Traceback (most recent call last):
+    ...
+    parkproof.errors.InputError: limits.tau[0] = 5: ... above 6
+    """
+    limits, bounds, ranges = spec.limits, spec.bounds, spec.starts.ranges
+    if limits.tau is not None:
+        for i, tau in enumerate(limits.tau):
+            needed = bounds.disturbance_of(i) / bounds.gamma_of(i)[0]
+            if needed >= tau:
+                raise InputError(
+                    f"limits.tau[{i}] = {tau:g}: the weakest motor gain times it does not exceed "
+                    f"the disturbance {bounds.disturbance_of(i):g}; write one above {needed:g}"
+                )
+    x, y = (ranges.get(a) or ranges[b] for a, b in (("x", "x0"), ("y", "x1")))
+    if limits.view is not None:
+        low, high, below, above = limits.view
+        if x[0] < low or x[1] > high or y[0] < below or y[1] > above:
+            raise InputError(
+                f"limits.view = {list(limits.view)}: starts reach from ({x[0]:g}, {y[0]:g}) to "
+                f"({x[1]:g}, {y[1]:g}); widen the view or narrow [starts]"
+            )
+    forward = max(abs(end) for end in ranges.get("u0") or ranges["v"])
+    turning = max(abs(end) for end in ranges.get("u1") or ranges["omega"])
+    for name, start in (("speed", forward), ("turn_rate", turning)):
+        limit = getattr(limits, name)
+        if limit is not None and start >= limit:
+            raise InputError(
+                f"limits.{name} = {limit:g}: starts already reach {start:g}; raise it, or narrow "
+                "[starts]"
+            )
+
+
+def engines(spec: Spec, progress: Callable[[str], None]) -> Iterator[Engine]:
+    """The engines that a specification asks for, with their proved links.
+
+    Parameters
+    ----------
+    spec : Spec
+        What is wanted.
+    progress : callable
+        Told what is being done.
+
+    Yields
+    ------
+    Engine
+        One for the homogeneous law, and one for each normalised form of the paper's.
+
+    Raises
+    ------
+    InputError
+        If a range is too wide for any Lyapunov function tried.
+    """
+    q, k = TWO_CHAIN
+    forms = []
+    for name, gains in (("b2", spec.bounds.b2), ("alpha[0]", spec.bounds.alpha_of(0))):
+        progress(f"Lyapunov function of two integrators for {name} in {list(gains)}")
+        link = two_chain_link(q, k, gains)
+        if link is None:
+            raise InputError(
+                f"bounds.{name} = {list(gains)}: no Lyapunov function was found for so wide a "
+                "range; narrow it"
+            )
+        forms.append(TwoChainForm(q, k, link))
+    hold, back = forms
+    if spec.design.engine != "paper":
+        yield HomogeneousEngine(spec, hold, back)
+    if spec.design.engine == "homogeneous":
+        return
+    low, high = spec.bounds.alpha_of(1)
+    ranges = [(low * SHARE * (1.0 - 1e-9), high * (1.0 + 1e-9)), spec.bounds.b2]
+    for q1, gains_l in FORMS:
+        progress(f"Lyapunov function of the paper's Step 2, q1 = {q1}")
+        normal = Gains(q1=q1, l=gains_l)
+        weights, rate = best_weights(normal, b1=ranges[0], varies=True)
+        link = approach_link(normal, weights, ranges, rate)
+        if link is not None:
+            yield PaperEngine(spec, hold, back, ThreeChainForm(q1, gains_l, link))
+
+
+def _range_of(engine: Engine, spec: Spec) -> list[tuple[float, float]]:
+    """Logarithms of the least and largest cruise, approach and hold."""
+    lows, highs = list(LOWEST[:3]), list(HIGHEST[:3])
+    if isinstance(engine, HomogeneousEngine):
+        weakest = spec.bounds.disturbance_of(1) / spec.bounds.gamma_of(1)[0]
+        limit = spec.limits.tau[1] if spec.limits.tau else 20.0 * (1.0 + weakest)
+        lows[1], highs[1] = 1.05 * weakest + 1e-2 * limit, limit
+    return [(math.log(low), math.log(high)) for low, high in zip(lows, highs, strict=True)]
+
+
+class _Search:
+    """Candidates of one engine: a sweep, then a descent from the best."""
+
+    def __init__(self, engine: Engine, spec: Spec, looked_at: list[Candidate]) -> None:
+        self._engine, self._spec, self._looked_at = engine, spec, looked_at
+        self.best: Candidate | None = None
+        self._ranges = _range_of(engine, spec)
+
+    def price(self, unit: Sequence[float]) -> float:
+        """Price at a point of the unit cube, with the best return for it."""
+        logs = [
+            low + min(max(x, 0.0), 1.0) * (high - low)
+            for x, (low, high) in zip(unit, self._ranges, strict=True)
+        ]
+        outside = sum(max(0.0, -x, x - 1.0) for x in unit)
+        cruise, approach, hold = (math.exp(log) for log in logs)
+        low, high = math.log(LOWEST.back), math.log(HIGHEST.back)
+        found = math.inf
+        for fine in (
+            4,
+            2,
+        ):  # a coarse sweep of the return's speed, then a finer one around its best
+            step = (high - low) / (2 * fine)
+            prices = []
+            for i in range(2 * fine + 1):
+                back = low + i * step
+                candidate = self._engine.candidate(Knobs(cruise, approach, hold, math.exp(back)))
+                if candidate is None:
+                    return 1e3 + outside
+                self._looked_at.append(candidate)
+                price = candidate.price(self._spec)
+                prices.append((price, back))
+                if self.best is None or price < self.best.price(self._spec):
+                    self.best = candidate
+            least, at = min(prices)
+            found = min(found, least)
+            low, high = at - step, at + step
+        return found + outside
+
+    def run(self, sweep: int, steps: int, progress: Callable[[float], None]) -> None:
+        """Sweep the cube, then descend."""
+        from scipy.optimize import minimize
+        from scipy.stats import qmc
+
+        points = qmc.Sobol(3, seed=0).random(sweep)
+        prices = []
+        for i, point in enumerate(points):
+            prices.append((self.price(point), tuple(point)))
+            progress((i + 1) / (sweep + steps))
+        start = min(prices)[1]
+        count = [0]
+
+        def told(_: object) -> None:
+            count[0] += 1
+            progress(min(1.0, (sweep + count[0]) / (sweep + steps)))
+
+        minimize(
+            self.price,
+            start,
+            method="Nelder-Mead",
+            callback=told,
+            options={
+                "maxfev": steps,
+                "xatol": 2e-3,
+                "fatol": 2e-3,
+                "initial_simplex": _simplex(start),
+            },
+        )
+
+
+def _simplex(start: Sequence[float]) -> list[list[float]]:
+    """A start for the descent that stays in the cube."""
+    corners = [list(start)]
+    for i, x in enumerate(start):
+        corner = list(start)
+        corner[i] = x - 0.15 if x > 0.5 else x + 0.15
+        corners.append(corner)
+    return corners
+
+
+def design(
+    spec: Spec,
+    *,
+    sweep: int = 16,
+    steps: int = 40,
+    progress: Callable[[str, float], None] = lambda *_: None,
+) -> Design:
+    """Find gains for a specification, with a certificate.
+
+    Parameters
+    ----------
+    spec : Spec
+        What is wanted.
+    sweep, steps : int
+        How many points each engine looks at: first spread, then descending from the best.
+    progress : callable
+        Told what is being done, and which share of it is done.
+
+    Returns
+    -------
+    Design
+        The certificate, or why there is none. Interrupted (KeyboardInterrupt), it certifies the
+        best found so far.
+
+    Raises
+    ------
+    InputError
+        If no gains can do what is wanted.
+
+    Examples
+    --------
+    >>> from parkproof.bounds import Limits
+    >>> from parkproof.spec import Aim, Starts, UncertainBounds
+    >>> near = Starts(x0=(-0.2, 0.2), x1=(-0.1, 0.1), x2=(0, 0))
+    >>> spec = Spec(bounds=UncertainBounds(alpha=(0.9, 1.1)), starts=near,
+    ...             limits=Limits(tau=(40, 40)), design=Aim(engine="homogeneous"))
+    >>> found = design(spec, sweep=2, steps=2)
+    >>> found.certificate["claim"]["max_tau"][1] < 40
+    True
+    """
+    from flint import ctx
+
+    from parkproof.proof.checker.certificate import PRECISION
+
+    ctx.prec = PRECISION
+    check_feasible(spec)
+    found = Design(spec)
+    try:
+        for engine in engines(spec, lambda text: progress(text, 0.0)):
+            name = "homogeneous" if isinstance(engine, HomogeneousEngine) else "paper"
+            search = _Search(engine, spec, found.looked_at)
+            try:
+                search.run(sweep, steps, partial(progress, f"{name} engine"))
+            finally:
+                better = search.best
+                if better is not None and (
+                    found.chosen is None or better.price(spec) < found.chosen.price(spec)
+                ):
+                    found.chosen = better
+    except KeyboardInterrupt:
+        found.interrupted = True
+    if found.chosen is None:
+        found.reason = "no gains were found for which whole runs are proved to park"
+        return found
+    if over := over_limits(found.chosen, spec):
+        found.reason = _nearest(found, over)
+        return found
+    progress("certifying the best candidate", 0.0)
+    return _certified(found, lambda text: progress(f"certifying: {text}", 0.0))
+
+
+def over_limits(candidate: Candidate, spec: Spec) -> list[str]:
+    """Names of the limits that a candidate's bounds exceed.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        Gains with bounds.
+    spec : Spec
+        Limits.
+
+    Returns
+    -------
+    list of str
+        As in the specification, such as "limits.tau[0]".
+    """
+    pairs = candidate.excesses(spec)
+    return [name for name, (needed, allowed) in pairs.items() if needed > allowed]
+
+
+def _nearest(found: Design, over: list[str]) -> str:
+    """Why the limits cannot be kept: which one binds, and the nearest value with which they can."""
+    single: dict[str, float] = {}
+    for candidate in found.looked_at:
+        names = over_limits(candidate, found.spec)
+        if len(names) == 1:
+            needed = candidate.excesses(found.spec)[names[0]][0]
+            single[names[0]] = min(single.get(names[0], math.inf), needed)
+    if not single:
+        return (
+            f"no gains were found that keep all limits; the best exceed {' and '.join(over)}: "
+            "relax them together"
+        )
+    allowed = found.chosen.excesses(found.spec) if found.chosen else {}
+    ways = sorted(
+        (value / abs(allowed[name][1] or 1e-9), name, value) for name, value in single.items()
+    )
+    texts = [
+        f"{name} binds: {allowed[name][1]:g} is allowed, {value:.4g} would do, all else as it is"
+        for _, name, value in ways
+    ]
+    return "no gains were found that keep all limits; " + "; or ".join(texts)
+
+
+def _certified(found: Design, progress: Callable[[str], None]) -> Design:
+    """The design with the certificate of its choice."""
+    chosen, spec = found.chosen, found.spec
+    if chosen is None:
+        return found
+    result = certify(
+        law="homogeneous" if chosen.law == "homogeneous" else "corrected",
+        bounds=spec.bounds,
+        b2=spec.bounds.b2,
+        gains=chosen.gains,
+        switching=chosen.switching,
+        starts=spec.starts.ranges,
+        progress=progress,
+    )
+    return replace(found, certificate=result.certificate, reason=result.reason)
