@@ -1,4 +1,4 @@
-"""``parkproof init``: a scenario to start from."""
+"""``parkproof init``: a file to start from."""
 
 from pathlib import Path
 from typing import Annotated
@@ -13,12 +13,12 @@ def init(
     overwrite: bool = False,
     list_kinds: Annotated[bool, Parameter(name="--list")] = False,
 ) -> int:
-    """Write a commented scenario file that runs as it is.
+    """Write a commented scenario, or a specification for design, that runs as it is.
 
     Parameters
     ----------
     kind : str
-        Kind of scenario, default paper; --list names them all.
+        Kind of file, default paper; --list names them all.
     out : Path, optional
         File to write; default standard output.
     overwrite : bool
@@ -38,10 +38,10 @@ def init(
     0
     """
     from parkproof.cli.console import facts_table, stdout_console, write
-    from parkproof.scenario_file import TEMPLATES, template
+    from parkproof.scenario_file import SPECIFICATIONS, TEMPLATES, template
 
     if list_kinds:
-        stdout_console().print(facts_table(list(TEMPLATES.items())))
+        stdout_console().print(facts_table(list((TEMPLATES | SPECIFICATIONS).items())))
         return 0
     text = template(kind)
     if out is None:
@@ -50,5 +50,6 @@ def init(
     from parkproof.cli.files import write_file
 
     write_file(out, text, overwrite=overwrite)
-    stdout_console().print(f"Wrote {out}; run it with: parkproof park {out}", soft_wrap=True)
+    command = "design" if kind in SPECIFICATIONS else "park"
+    stdout_console().print(f"Wrote {out}; run it with: parkproof {command} {out}", soft_wrap=True)
     return 0

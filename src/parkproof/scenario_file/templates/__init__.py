@@ -1,4 +1,4 @@
-"""Scenarios to start from: TOML files with every key explained, each of which runs as it is."""
+"""Files to start from: TOML with every key explained, each of which runs as it is."""
 
 from parkproof.errors import InputError
 from parkproof.scenario_file.keys import nearest
@@ -14,14 +14,19 @@ TEMPLATES = {
 }
 """Kinds of scenario files, each with a line on what it shows."""
 
+SPECIFICATIONS = {
+    "design": "no scenario, but what parkproof design is to find gains for",
+}
+"""Kinds of specifications, each with a line on what it is."""
+
 
 def template(kind: str) -> str:
-    """Give a commented scenario file that runs as it is.
+    """Give a commented file that runs as it is.
 
     Parameters
     ----------
     kind : str
-        One of `TEMPLATES`.
+        One of `TEMPLATES` or `SPECIFICATIONS`.
 
     Returns
     -------
@@ -40,8 +45,9 @@ def template(kind: str) -> str:
     """
     from importlib import resources
 
-    if kind not in TEMPLATES:
-        near = nearest(kind, TEMPLATES)
+    kinds = TEMPLATES | SPECIFICATIONS
+    if kind not in kinds:
+        near = nearest(kind, kinds)
         meant = f'did you mean "{near}"? ' if near is not None else ""
-        raise InputError(f'kind "{kind}": unknown; {meant}the kinds are {", ".join(TEMPLATES)}')
+        raise InputError(f'kind "{kind}": unknown; {meant}the kinds are {", ".join(kinds)}')
     return resources.files(__package__).joinpath(f"{kind}.toml").read_text(encoding="utf-8")
