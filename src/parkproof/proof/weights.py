@@ -126,14 +126,28 @@ class _Search:
         return changed
 
 
-def _best(
-    chain: ChainLyapunov, ends: Sequence[Sequence[float]], start: Sequence[float] | None
-) -> tuple[tuple[float, ...], float]:
-    """Seek weights, rounded to six digits, and their rate."""
-    import numpy as np
+def seek(sphere: SampledSphere, start: Sequence[float] | None) -> "Array":
+    """Seek the best weights over a sphere, to which the states are added that matter to them.
 
-    corners = list(itertools.product(*(sorted(set(pair)) for pair in ends)))
-    sphere = SampledSphere(chain, corners)
+    Parameters
+    ----------
+    sphere : SampledSphere
+        Sampled states of a chain of r integrators; changed.
+    start : sequence of r floats, optional
+        Largest absolute states at a start from which the time is made short. None, or all 0, makes
+        the rate large.
+
+    Returns
+    -------
+    array
+        1, 1/k1, ….
+
+    Examples
+    --------
+    >>> sphere = SampledSphere(ChainLyapunov(gains=(1.5, 6.5), q=7 / 9, k=(1.0,)), [(1.0,)])
+    >>> sphere.worst(seek(sphere, None)) < -1.5
+    True
+    """
     search = _Search(sphere, start)
     inverses = search.begin()
     for _ in range(ROUNDS):
@@ -141,13 +155,48 @@ def _best(
         before, after = sphere.add_worse(inverses)
         if after <= before + 2e-4 * abs(before):
             break
+    return inverses
+
+
+def sphere_of(chain: ChainLyapunov, **ranges: Sequence[float]) -> SampledSphere:
+    """Sample the sphere of a chain for the ends of its uncertain gains.
+
+    Parameters
+    ----------
+    chain : ChainLyapunov
+        The law and the form of V.
+    **ranges : two floats each
+        Ranges of the gains, in their order, by name.
+
+    Returns
+    -------
+    SampledSphere
+        The states.
+
+    Raises
+    ------
+    InputError
+        If a range is crossed or not positive.
+
+    Examples
+    --------
+    >>> chain = ChainLyapunov(gains=(1.5, 6.5), q=7 / 9, k=(1.0,))
+    >>> sphere_of(chain, a=(0.5, 1.5)).corners
+    [(0.5,), (1.5,)]
+    """
+    ends = []
+    for name, pair in ranges.items():
+        low, high = increasing(name, pair)
+        ends.append(sorted({positive(f"{name}'s lower bound", low), high}))
+    return SampledSphere(chain, list(itertools.product(*ends)))
+
+
+def _rounded(sphere: SampledSphere, inverses: "Array") -> tuple[tuple[float, ...], float]:
+    """Weights of six digits, and their rate."""
+    import numpy as np
+
     k = tuple(float(f"{weight:.6g}") for weight in 1.0 / inverses[1:])
     return k, -sphere.worst(1.0 / np.array([1.0, *k]))
-
-
-def _range(name: str, pair: Sequence[float]) -> tuple[float, float]:
-    low, high = increasing(name, pair)
-    return positive(f"{name}'s lower bound", low), high
 
 
 def best_weights(
@@ -195,7 +244,8 @@ def best_weights(
     chain = ChainLyapunov(
         gains=gains.l, q=gains.exponents[1], k=(1.0, 1.0), constant_alpha=not varies
     )
-    (k1, k2), rate = _best(chain, (_range("b1", b1), _range("b2", b2)), start)
+    sphere = sphere_of(chain, b1=b1, b2=b2)
+    (k1, k2), rate = _rounded(sphere, seek(sphere, start))
     return (k1, k2), rate
 
 
@@ -237,5 +287,6 @@ def best_weights_two_chain(
             f"start = {start}: must be two numbers, for x and u; write for example (1.0, 0.0)"
         )
     chain = ChainLyapunov(gains=k, q=q, k=(1.0,), constant_alpha=False)
-    (k2,), rate = _best(chain, (_range("a", a),), start)
+    sphere = sphere_of(chain, a=a)
+    (k2,), rate = _rounded(sphere, seek(sphere, start))
     return k2, rate
