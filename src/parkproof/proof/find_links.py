@@ -10,8 +10,10 @@ from typing import Any
 
 from parkproof.laws.gains import Gains
 from parkproof.proof.checker.balls import Range, exact
-from parkproof.proof.checker.chains import Chain, TwoChain
+from parkproof.proof.checker.chains import Chain, ThreeChain, TwoChain
 from parkproof.proof.checker.lemmas import prove_rate, prove_sizes
+from parkproof.proof.weights import best_weights_two_chain
+from parkproof.validate import Ratio
 
 SHARES = (0.97, 0.9, 0.75, 0.5)
 """Shares of a sampled rate that are tried in turn: the nearer to 1, the more boxes."""
@@ -46,38 +48,6 @@ def surface_points(dimension: int, count: int) -> list[tuple[float, ...]]:
         for face in range(dimension)
         for sides in itertools.product(edge, repeat=dimension - 1)
     ]
-
-
-def sampled_rate(chain: Chain, gains: Sequence[Range], *, count: int) -> float:
-    """The largest c that V̇ ≤ −c·V^((1+q)/2) leaves possible at sampled points.
-
-    Parameters
-    ----------
-    chain : ThreeChain or TwoChain
-        V and V̇.
-    gains : sequence of pairs
-        Ranges of the gains; their ends are tried.
-    count : int
-        Points along an edge of the cube.
-
-    Returns
-    -------
-    float
-        c; not positive if V grows somewhere.
-
-    Examples
-    --------
-    >>> 0.5 < sampled_rate(TwoChain("7/9", (1.5, 6.5), 2.6), [(0.5, 1.5)], count=41) < 1.5
-    True
-    """
-    exponent = 0.5 * (1.0 + float(chain.q.mid()))
-    worst = math.inf
-    for corner in itertools.product(*(sorted(set(pair)) for pair in gains)):
-        ends = [exact(end) for end in corner]
-        for point in surface_points(chain.dimension, count):
-            value, rate = chain.value_and_rate(tuple(exact(x) for x in point), *ends)
-            worst = min(worst, -float(rate.mid()) / float(value.mid()) ** exponent)
-    return worst
 
 
 def sampled_sizes(chain: Chain, *, count: int) -> list[float]:
@@ -191,21 +161,10 @@ def two_chain_link(q: str, k: tuple[float, float], gains: Range) -> dict[str, An
     >>> two_chain_link("7/9", (1.5, 6.5), (0.5, 1.5))["rate"] > 1.0
     True
     """
-    from scipy.optimize import minimize_scalar
-
-    def merit(log_weight: float, count: int = 15) -> float:
-        """The time from rest at 1, to a factor; negative rates sort behind all others."""
-        chain = TwoChain(q, k, math.exp(log_weight))
-        rate = sampled_rate(chain, [gains], count=count)
-        level = float(chain.value((exact(1), exact(0)), exact(1)).mid())
-        half = 0.5 * (1.0 - float(chain.q.mid()))
-        return level**half / rate if rate > 0.0 else 1e6 * (1.0 - rate)
-
-    coarse = min((merit(x), x) for x in [math.log(k[1]) + 0.5 * i for i in range(-8, 9)])[1]
-    found = minimize_scalar(merit, bounds=(coarse - 0.5, coarse + 0.5), options={"xatol": 0.02})
-    weight = float(f"{math.exp(found.x):.6g}")
+    found, sampled = best_weights_two_chain(k=k, q=Ratio(q, "q2"), a=gains, start=(1.0, 0.0))
+    weight = float(f"{found:.6g}")
     chain = TwoChain(q, k, weight)
-    rate = proved_rate(chain, [gains], sampled_rate(chain, [gains], count=201))
+    rate = proved_rate(chain, [gains], sampled)
     sizes = proved_sizes(chain, count=201)
     if rate is None or sizes is None:
         return None
@@ -238,8 +197,6 @@ def approach_link(
     >>> approach_link(Gains(q1="13/15"), (3.0, 120.0), [(0.25, 1.5), (1.0, 1.0)], -0.1) is None
     True
     """
-    from parkproof.proof.checker.chains import ThreeChain
-
     chain = ThreeChain(str(gains.exponents[1]), gains.l, weights, 1.0)
     proved = proved_rate(chain, ranges, rate)
     sizes = proved_sizes(chain, count=33) if proved is not None else None

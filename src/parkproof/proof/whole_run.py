@@ -10,7 +10,6 @@ from parkproof import __version__
 from parkproof.bounds import Bounds
 from parkproof.errors import InputError
 from parkproof.laws.gains import Gains, Switching
-from parkproof.proof.certify import best_weights
 from parkproof.proof.checker.balls import up
 from parkproof.proof.checker.certificate import (
     PRECISION,
@@ -23,6 +22,7 @@ from parkproof.proof.checker.parts import GapError, Law, Peaks, Uncertainty
 from parkproof.proof.checker.starts import boxes
 from parkproof.proof.checker.whole_run import gain_range, run_bounds
 from parkproof.proof.find_links import approach_link, ellipsoid_link, two_chain_link
+from parkproof.proof.weights import best_weights
 
 
 @dataclass(frozen=True)
@@ -236,6 +236,31 @@ def certify(
     return Certified(_signed(claim_of(peaks), assumptions, section, lyapunov))
 
 
+def with_measured(certificate: dict[str, Any], measured: Mapping[str, Any]) -> dict[str, Any]:
+    """A certificate with what was measured beside it, under a new digest.
+
+    Parameters
+    ----------
+    certificate : dict
+        The certificate.
+    measured : mapping
+        What was measured, and how; no part of the proof.
+
+    Returns
+    -------
+    dict
+        The certificate.
+
+    Examples
+    --------
+    >>> with_measured({"claim": 1}, {"runs": 3})["measured"]
+    {'runs': 3}
+    """
+    body = {key: value for key, value in certificate.items() if key != "digest"}
+    body["measured"] = dict(measured)
+    return {**body, "digest": digest_of(body)}
+
+
 def _peaks(section: dict[str, Any], assumptions: dict[str, Any], lyapunov: dict[str, Any]) -> Peaks:
     links = links_of(section, lyapunov)
     starts, known = assumptions["starts"], Uncertainty.of(assumptions)
@@ -259,7 +284,7 @@ def _approach(
     if law == "homogeneous":
         gamma, phi = bounds.gamma_of(1), bounds.disturbance_of(1)
         return ellipsoid_link(gains.ellipsoid or (), gains.feedback or (), ranges, gamma, phi)
-    weights, rate = best_weights(gains, b1=ranges[0], varies=True)
+    weights, rate = best_weights(gains, b1=ranges[0], b2=ranges[1], varies=True)
     return approach_link(gains, weights, ranges, rate)
 
 

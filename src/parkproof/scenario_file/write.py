@@ -1,6 +1,7 @@
 """Writing a scenario out: as plain tables, and as TOML."""
 
 import json
+from collections.abc import Collection
 from typing import Any
 
 import msgspec
@@ -56,7 +57,32 @@ def to_toml(scenario: Scenario) -> str:
     alpha = [[1.0, 1.0], [1.0, 1.0]]
     ...
     """
-    data = resolved(scenario)
+    return toml_of(scenario)
+
+
+def toml_of(struct: msgspec.Struct, *, leave_out: Collection[str] = ()) -> str:
+    """Write any structure of tables as TOML, with every default filled in.
+
+    Parameters
+    ----------
+    struct : msgspec.Struct
+        Its fields are values or structures of values.
+    leave_out : collection of str
+        Fields that are not written.
+
+    Returns
+    -------
+    str
+        TOML.
+
+    Examples
+    --------
+    >>> from parkproof.scenario import RunSettings
+    >>> print(toml_of(RunSettings(duration=3.0)).splitlines()[0])
+    duration = 3.0
+    """
+    plain: dict[str, Any] = _without_none(msgspec.to_builtins(struct, enc_hook=str))
+    data = {key: value for key, value in plain.items() if key not in leave_out}
     tables = {key: value for key, value in data.items() if isinstance(value, dict)}
     blocks = [[f"{key} = {_toml(value)}" for key, value in data.items() if key not in tables]]
     for name, table in tables.items():

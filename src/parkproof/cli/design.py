@@ -1,0 +1,124 @@
+"""``parkproof design``: gains with a certificate."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from parkproof.cli.console import Report
+    from parkproof.proof.design import Design
+    from parkproof.spec import Spec
+
+
+def design(
+    spec: Path,
+    /,
+    *,
+    out: Path | None = None,
+    settings: Annotated[list[str] | None, Parameter(name="--set")] = None,
+    effort: float = 1.0,
+    overwrite: bool = False,
+    no_pictures: bool = False,
+    quiet: bool = False,
+) -> int:
+    """Find gains for a specification, with a proof that runs under them park.
+
+    Writes gains.toml, certificate.json, summary.json, a scenario that uses the gains, and
+    pictures: the trade-offs, and the settling time over starts. Exit status 1, with the limit that
+    binds and the nearest value that would do, if no gains were found. Ctrl-C ends the search and
+    certifies the best found so far.
+
+    Parameters
+    ----------
+    spec : Path
+        The specification; "parkproof init --kind design" writes a commented one.
+    out : Path, optional
+        Directory for the results; default designs/NAME, after the file's name.
+    settings : list of str, optional
+        Override a key of the file, as in limits.tau=[20,20]; may be repeated.
+    effort : float
+        How many candidates are looked at, as a multiple of the usual number.
+    overwrite : bool
+        Replace earlier results there.
+    no_pictures : bool
+        Draw nothing.
+    quiet : bool
+        Show no progress.
+
+    Returns
+    -------
+    int
+        Exit status.
+
+    Raises
+    ------
+    InputError
+        If the file is no specification, no gains can do what it says, or a library is missing.
+
+    Examples
+    --------
+    >>> design(Path("gains.toml"), settings=["limits.tau=[1, 1]", "bounds.disturbance=2.5"])
+    Traceback (most recent call last):
+    ...
+    parkproof.errors.InputError: limits.tau[0] = 1: ...
+    """
+    from parkproof.cli.console import print_files, progress, stdout_console
+    from parkproof.extras import require
+    from parkproof.output import output_directory
+    from parkproof.spec import read_spec
+    from parkproof.validate import positive
+
+    require("flint", "scipy", "clarabel", extra="proof", purpose="parkproof design")
+    from parkproof.proof.design import check_feasible
+
+    wanted = read_spec(spec, overrides=settings or ())
+    check_feasible(wanted)
+    scale = positive("effort", effort)
+    directory = Path("designs") / spec.stem if out is None else out
+    console = stdout_console()
+    try:
+        with (
+            output_directory(directory, overwrite=overwrite) as work,
+            progress(quiet=quiet) as report,
+        ):
+            found = _search(wanted, scale, work, report, pictures=not no_pictures)
+            names = sorted(path.name for path in work.iterdir())
+    except _NotFoundError as error:
+        console.print(f"Nothing is proved: {error}.", soft_wrap=True)
+        return 1
+    _print(found, console)
+    print_files(console, directory, names)
+    return 130 if found.interrupted else 0
+
+
+class _NotFoundError(Exception):
+    """No gains were found; what was begun of the results is taken away."""
+
+
+def _search(
+    wanted: "Spec", scale: float, work: Path, report: "Report", *, pictures: bool
+) -> "Design":
+    """Find, write and draw."""
+    from parkproof.proof.design import design as search
+    from parkproof.report.design import write_design
+
+    found = search(
+        wanted, sweep=max(2, round(16 * scale)), steps=max(2, round(40 * scale)), progress=report
+    )
+    if found.certificate is None:
+        raise _NotFoundError(found.reason)
+    write_design(found, work, pictures=pictures, progress=report)
+    return found
+
+
+def _print(found: "Design", console: "Console") -> None:
+    """What was found, for a reader."""
+    from parkproof.cli.console import facts_table
+    from parkproof.report.design import facts_of
+
+    if found.interrupted:
+        console.print("Interrupted: this is the best that was found until then.\n")
+    console.print(facts_table(facts_of(found)))

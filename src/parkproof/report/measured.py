@@ -1,0 +1,180 @@
+"""What is measured beside a proof: runs in sampled time under truths that strain the law."""
+
+import math
+import random
+from typing import Any
+
+import numpy as np
+
+from parkproof.bounds import Bounds
+from parkproof.laws.gains import Gains, Switching
+from parkproof.scenario import RunSettings, Scenario, Start
+from parkproof.simulation.ensemble import simulate_ensemble
+from parkproof.simulation.outcome import Outcome
+from parkproof.simulation.stress import stress_truths
+
+
+def bounds_of(certificate: dict[str, Any]) -> Bounds:
+    """What the controller may know, from a certificate's assumptions.
+
+    Parameters
+    ----------
+    certificate : dict
+        The certificate.
+
+    Returns
+    -------
+    Bounds
+        Without b2, which is 1 in runs.
+    """
+    given = certificate["assumptions"]
+    one, two = given["disturbance"]
+    alpha, gamma = ([(low, high) for low, high in given[name]] for name in ("alpha", "gamma"))
+    return Bounds(alpha=(alpha[0], alpha[1]), gamma=(gamma[0], gamma[1]), disturbance=(one, two))
+
+
+def gains_of(certificate: dict[str, Any]) -> Gains:
+    """The gains that a certificate speaks of.
+
+    Parameters
+    ----------
+    certificate : dict
+        The certificate.
+
+    Returns
+    -------
+    Gains
+        Its gains.
+    """
+    law = certificate["law"]
+    return Gains(**{name: law[name] for name in Gains.__struct_fields__ if name in law})
+
+
+def switching_of(certificate: dict[str, Any]) -> Switching:
+    """When the law of a certificate switches.
+
+    Parameters
+    ----------
+    certificate : dict
+        The certificate.
+
+    Returns
+    -------
+    Switching
+        Its switching.
+    """
+    law = certificate["law"]
+    return Switching(**{name: law[name] for name in Switching.__struct_fields__ if name in law})
+
+
+def start_at(place: dict[str, float]) -> Start:
+    """A start of a certificate's box.
+
+    Parameters
+    ----------
+    place : dict
+        Values of x0, x1, x2, u0 and u1, or of x, y, theta, v and omega.
+
+    Returns
+    -------
+    Start
+        For a scenario.
+
+    Examples
+    --------
+    >>> start_at({"x": 1.0, "y": 0.5, "theta": 3.0, "v": 0.0, "omega": 0.0}).pose
+    (1.0, 0.5, 3.0)
+    """
+    one, two, three, four, five = place.values()
+    if "x0" in place:
+        return Start(state=(one, two, three, four, five))
+    return Start(pose=(one, two, three), velocity=(four, five))
+
+
+def stressed_runs(
+    certificate: dict[str, Any], *, count: int, seed: int, control_period: float, extra: float = 3.0
+) -> list[Scenario]:
+    """Scenarios from random starts of a certificate's box, under truths that strain the law.
+
+    Parameters
+    ----------
+    certificate : dict
+        The certificate.
+    count : int
+        How many.
+    seed : int
+        Trial i depends on the seed and i only.
+    control_period : float
+        In s.
+    extra : float
+        How long runs go on after the proven time, in s.
+
+    Returns
+    -------
+    list of Scenario
+        Half of the starts lie at corners of the box.
+    """
+    bounds = bounds_of(certificate)
+    gains, switching = gains_of(certificate), switching_of(certificate)
+    duration = math.ceil(certificate["claim"]["total_time"] + extra)
+    run = RunSettings(duration=duration, control_period=control_period, discretisation="implicit")
+    box = certificate["assumptions"]["starts"]
+    scenarios = []
+    for i, truth in enumerate(stress_truths(bounds, count=count, seed=seed)):
+        draw = random.Random(f"start {seed}:{i}")
+        corner = draw.random() < 0.5
+        place = {
+            name: draw.choice(ends) if corner else draw.uniform(*ends) for name, ends in box.items()
+        }
+        scenarios.append(
+            Scenario(
+                law=certificate["law"]["name"],
+                bounds=bounds,
+                gains=gains,
+                switching=switching,
+                truth=truth,
+                start=start_at(place),
+                run=run,
+            )
+        )
+    return scenarios
+
+
+def measured_of(
+    certificate: dict[str, Any], *, control_period: float, count: int = 256, threads: int = 2
+) -> dict[str, Any]:
+    """Measure the residual band, for a certificate's section "measured".
+
+    Parameters
+    ----------
+    certificate : dict
+        The certificate.
+    control_period : float
+        In s.
+    count : int
+        Runs.
+    threads : int
+        For the runs.
+
+    Returns
+    -------
+    dict
+        How it was measured, how many runs parked, and the worst of them.
+    """
+    trials = stressed_runs(certificate, count=count, seed=0, control_period=control_period)
+    rows = simulate_ensemble(trials, threads=threads)
+    parked = rows["outcome"] == Outcome.PARKED
+    return {
+        "control_period": control_period,
+        "form": "implicit",
+        "runs": count,
+        "parked": int(parked.sum()),
+        "slowest": _worst(rows["total"]),
+        "residual": _worst(rows["residual"]),
+        "peak_tau": [_worst(rows["peak_tau1"]), _worst(rows["peak_tau2"])],
+    }
+
+
+def _worst(values: "np.ndarray[Any, np.dtype[np.float64]]") -> float | None:
+    known = values[np.isfinite(values)]
+    return float(f"{known.max():.4g}") if known.size else None
