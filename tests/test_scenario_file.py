@@ -160,7 +160,10 @@ UNREADABLE = [
     ("a = " + "9" * 5000, "a number is too long or lists are nested too deeply"),
     ("a = " + "[" * 5000, "a number is too long or lists are nested too deeply"),
     ("#" * 1_000_001, "longer than 1,000,000 bytes"),
-    ("[start]\npose = [0, 0, 0]\n", 'law is missing; write law = "published" or law = "corrected"'),
+    (
+        "[start]\npose = [0, 0, 0]\n",
+        'law is missing; write law = "published", law = "corrected" or law = "homogeneous"',
+    ),
     ('law = "published"\n', "start is missing; add a [start] table with state = "),
 ]
 
@@ -327,7 +330,10 @@ BAD_OVERRIDES = [
     ("truth.gamma[0].men=1", "unknown key; did you mean truth.gamma[0].mean?"),
     ("run.duration=-1", " with --set run.duration=-1: [run] duration = -1.0: must be greater"),
     ("run.duration=1\nx=2", r'expected a number, got a string "1\nx=2"'),
-    ("law=corrcted", 'law: expected "corrected" or "published", got a string "corrcted"; did you'),
+    (
+        "law=corrcted",
+        'law: expected "corrected", "homogeneous" or "published", got a string "corrcted"; did you',
+    ),
 ]
 
 

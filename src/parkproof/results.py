@@ -90,10 +90,10 @@ def notes_of(scenario: Scenario) -> list[str]:
         )
     for name in ("to_step2", "to_step3"):
         moment = getattr(switching, name)
-        if scenario.law == "corrected" and not isinstance(moment, str) and moment < run.duration:
+        if scenario.law != "published" and not isinstance(moment, str) and moment < run.duration:
             notes.append(
-                f"{name} = {moment:g} s: the corrected law leaves a step then only if it is inside "
-                "its tolerance, else as soon as it is."
+                f"{name} = {moment:g} s: the {scenario.law} law leaves a step then only if it is "
+                "inside its tolerance, else as soon as it is."
             )
         if not isinstance(moment, str) and moment >= run.duration:
             notes.append(
@@ -118,7 +118,10 @@ def _band(scenario: Scenario, i: int, step: int) -> float:
     low, high = scenario.bounds.gamma_of(i)
     phi = scenario.bounds.disturbance_of(i)
     h = scenario.run.control_period
-    if scenario.run.discretisation == "implicit":
+    # in the implicit form, and in the linear law below V_min, φ moves u by at most one period's
+    # worth before the input, which undoes a deviation of u within a period, balances it
+    linear = scenario.law == "homogeneous" and step == 2
+    if linear or scenario.run.discretisation == "implicit":
         return h * high * phi / low
     gains = scenario.gains
     q0, q1, q2 = gains.exponents

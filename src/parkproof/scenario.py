@@ -203,7 +203,7 @@ class Scenario(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
     Parameters
     ----------
-    law : "published" or "corrected"
+    law : "published", "corrected" or "homogeneous"
         The law.
     start : Start
         Where the run starts.
@@ -233,7 +233,7 @@ class Scenario(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     """
 
     title: str = ""
-    law: Literal["published", "corrected"]
+    law: Literal["published", "corrected", "homogeneous"]
     bounds: Bounds = Bounds()
     gains: Gains = Gains()
     weights: Weights | None = None
@@ -248,6 +248,7 @@ class Scenario(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     def __post_init__(self) -> None:
         if self.law == "published":
             self._check_published()
+        self.gains.check_law(self.law)
         if self.robot.kind == "velocity":
             self._check_velocity_commanded()
         self.truth.check(self.bounds)

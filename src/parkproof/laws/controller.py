@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple
 from parkproof.bounds import Bounds
 from parkproof.errors import InputError
 from parkproof.laws.gains import Gains, Switching
-from parkproof.laws.inputs import explicit_inputs, implicit_inputs, predicted
+from parkproof.laws.inputs import explicit_inputs, implicit_inputs, predicted, with_direct
 from parkproof.laws.parameters import Discretisation, LawParameters, law_parameters
 from parkproof.laws.table import law_named
 from parkproof.laws.turn import turn_channels, turned
@@ -152,7 +152,7 @@ class Controller:
     Parameters
     ----------
     law : str
-        "published" or "corrected".
+        "published", "corrected" or "homogeneous".
     bounds : Bounds
         What may be known of the plant. A velocity-commanded robot has γ = 1 and φ = 0, because
         u0 and u1 live in the controller.
@@ -172,8 +172,8 @@ class Controller:
     Raises
     ------
     InputError
-        If the law is unknown, the period is not positive, or a velocity-commanded robot is given
-        bounds other than γ = 1, φ = 0.
+        If the law is unknown or lacks its gains, the period is not positive, or a
+        velocity-commanded robot is given bounds other than γ = 1, φ = 0.
 
     Examples
     --------
@@ -205,6 +205,7 @@ class Controller:
                 "disturbance = 0 hold exactly; leave both out of the bounds"
             )
         self._law = law_named(law)
+        (gains or Gains()).check_law(law)
         self._robot = robot
         self._inputs = implicit_inputs if discretisation == "implicit" else explicit_inputs
         self.parameters: LawParameters = law_parameters(
@@ -286,6 +287,8 @@ class Controller:
             x0, x1, x2 = predicted(m.x0, m.x1, m.x2, m.u0, m.u1, p)
             channels = self._law.channels(self._step, self._way, x0, x1, x2, m.u0, p)
             tau1, tau2 = self._inputs(*channels, m.u0, m.u1, p)
+            direct = self._law.direct(self._step, self._way, x1, x2, m.u1, p)
+            tau2 = with_direct(tau2, direct, p)
         return self._command(m, tau1, tau2)
 
     def _with_held_velocity(self, m: Measurement) -> Measurement:

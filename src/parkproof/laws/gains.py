@@ -8,6 +8,7 @@ from msgspec import Meta
 from msgspec.structs import force_setattr
 
 from parkproof.errors import InputError
+from parkproof.laws.ellipsoid import checked_ellipsoid
 from parkproof.validate import Ratio, not_negative, positive
 
 Exponent = Annotated[float | str, Meta(description='A number, or a ratio such as "9/11"')]
@@ -110,12 +111,16 @@ class Gains(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         holds the heading. Default (0.1, 1.0) times ``runup_speed``.
     return_steering : bool
         Whether the corrected law corrects x1 in Step 3 at all; if not, it holds the heading.
+    ellipsoid : six floats, optional
+        The homogeneous law's P11, P12, P13, P22, P23, P33 of Step 2, in place of ``q1`` and ``l``.
+    feedback : three floats, optional
+        The homogeneous law's k1, k2, k3 < 0 of Step 2.
 
     Raises
     ------
     InputError
-        If an exponent lies outside its interval, a gain outside [1e-9, 1e9], or speeds are given
-        for a steering that is switched off.
+        If an exponent lies outside its interval, a gain outside [1e-9, 1e9], speeds are given for a
+        steering that is switched off, or P defines no V.
 
     Examples
     --------
@@ -135,6 +140,8 @@ class Gains(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     direction: Literal["auto", "toward", "forward", "backward"] = "auto"
     steering_speeds: tuple[float, float] | None = None
     return_steering: bool = True
+    ellipsoid: tuple[float, float, float, float, float, float] | None = None
+    feedback: tuple[float, float, float] | None = None
 
     def __post_init__(self) -> None:
         force_setattr(self, "q0", exponent("q0", self.q0, 0.0, "0"))
@@ -147,6 +154,41 @@ class Gains(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
                 force_setattr(self, name, tuple(gain(name, value) for value in given))
         if self.steering_speeds is not None:
             self._check_steering(*self.steering_speeds)
+        if (self.ellipsoid is None) != (self.feedback is None):
+            raise InputError(
+                "ellipsoid and feedback belong together: write both, or leave both out"
+            )
+        if self.ellipsoid is not None:
+            force_setattr(self, "ellipsoid", checked_ellipsoid(self.ellipsoid))
+        if self.feedback is not None:
+            sizes = tuple(gain("-feedback", -value) for value in self.feedback)
+            force_setattr(self, "feedback", tuple(-size for size in sizes))
+
+    def check_law(self, law: str) -> None:
+        """Check that the gains are those that a law needs.
+
+        Parameters
+        ----------
+        law : str
+            Its name.
+
+        Raises
+        ------
+        InputError
+            If it is the homogeneous law and its gains are missing, or are those of a steering that
+            it does not have.
+        """
+        if law != "homogeneous":
+            return
+        if self.ellipsoid is None:
+            raise InputError(
+                'law = "homogeneous" needs ellipsoid = [P11, P12, P13, P22, P23, P33] and '
+                "feedback = [k1, k2, k3] in [gains]; write those that a design gives"
+            )
+        if self.steering_speeds is not None:
+            raise InputError(
+                'steering_speeds: the law "homogeneous" never steers in Step 3; leave them out'
+            )
 
     def _check_steering(self, low: float, high: float) -> None:
         if not self.return_steering:

@@ -40,6 +40,31 @@ def predicted(
 
 
 @scalar
+def with_direct(tau2: float, direct: float, p: LawParameters) -> float:
+    """Input τ2 of a channel's law with an input added as it is, clipped at ``tau_max2``.
+
+    Parameters
+    ----------
+    tau2, direct : float
+        Both inputs; at most one of them is not 0.
+    p : LawParameters
+        Gains and bounds.
+
+    Returns
+    -------
+    float
+        τ2.
+
+    Examples
+    --------
+    >>> from parkproof.laws import default_parameters
+    >>> with_direct(0.0, -3.0, default_parameters())
+    -3.0
+    """
+    return clip(tau2 + direct, p.tau_max2)
+
+
+@scalar
 def explicit_inputs(
     one: ChannelLaw, two: ChannelLaw, u0: float, u1: float, p: LawParameters
 ) -> tuple[float, float]:

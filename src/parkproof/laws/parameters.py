@@ -9,6 +9,7 @@ from typing import Literal, NamedTuple
 
 from parkproof.bounds import Bounds
 from parkproof.errors import InputError
+from parkproof.laws.ellipsoid import lowest_level, widest
 from parkproof.laws.gains import Gains, Switching
 from parkproof.validate import positive
 
@@ -21,7 +22,8 @@ class LawParameters(NamedTuple):
     """Numbers used by the scalar laws; made by `law_parameters`.
 
     The paper's symbols keep their names; L1 = l1^(1/q1), L2 = l2^(1/(2q1−1)),
-    K1 = k̃1^(1/q2), H1 = hold1^(1/q2).
+    K1 = k̃1^(1/q2), H1 = hold1^(1/q2). From P11 on, they are those of homogeneous control and 0
+    without it.
     """
 
     lambda1: float
@@ -67,6 +69,17 @@ class LawParameters(NamedTuple):
     band2: float
     tau_max1: float
     tau_max2: float
+    P11: float
+    P12: float
+    P13: float
+    P22: float
+    P23: float
+    P33: float
+    feedback1: float
+    feedback2: float
+    feedback3: float
+    level_min: float
+    widest: float
 
 
 def law_parameters(
@@ -184,4 +197,19 @@ def law_parameters(
         band2=h * gM2 * phi2 / gm2 if implicit else 0.0,
         tau_max1=limit1,
         tau_max2=limit2,
+        **_homogeneous(gains, gM2, h, h if implicit else 0.0),
     )
+
+
+def _homogeneous(
+    gains: Gains, gamma_max: float, period: float, lookahead: float
+) -> dict[str, float]:
+    """Numbers of homogeneous control."""
+    P, k = gains.ellipsoid or (0.0,) * 6, gains.feedback or (0.0,) * 3
+    given = gains.ellipsoid is not None
+    names = ("P11", "P12", "P13", "P22", "P23", "P33", "feedback1", "feedback2", "feedback3")
+    return {
+        **dict(zip(names, (*P, *k), strict=True)),
+        "level_min": lowest_level(k, gamma_max, period, lookahead) if given else 0.0,
+        "widest": widest(P) if given else 0.0,
+    }

@@ -147,3 +147,30 @@ def published_channels(
     first = runup if step <= 2.0 else (back if step == 3.0 else stopped)
     second = approach if step == 2.0 or step == 3.0 else stopped  # noqa: PLR1714  (for lanes)
     return first, second
+
+
+@scalar
+def no_direct(step: float, way: float, x1: float, x2: float, u1: float, p: LawParameters) -> float:
+    """Input τ2 beside those of the channels' laws: none.
+
+    Parameters
+    ----------
+    step, way : float
+        Step in force and direction of travel.
+    x1, x2, u1 : float
+        State.
+    p : LawParameters
+        Gains and bounds.
+
+    Returns
+    -------
+    float
+        0.
+
+    Examples
+    --------
+    >>> from parkproof.laws import default_parameters
+    >>> no_direct(2.0, 1.0, 0.1, 0.2, 0.3, default_parameters())
+    0.0
+    """
+    return 0.0

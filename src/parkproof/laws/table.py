@@ -11,7 +11,9 @@ from parkproof.laws.corrected import (
     corrected_channels,
     corrected_switch,
 )
+from parkproof.laws.homogeneous import homogeneous_channels, homogeneous_direct
 from parkproof.laws.published import (
+    no_direct,
     published_begin,
     published_channels,
     published_direction,
@@ -34,6 +36,8 @@ class Law(NamedTuple):
         (step, direction, t, x0, x1, x2, u0, u1, p) → the step in force.
     channels : callable
         (step, direction, x0, x1, x2, u0, p) → the laws of both channels.
+    direct : callable
+        (step, direction, x1, x2, u1, p) → what is added to τ2 as it is.
     turns : bool
         Whether it has a Step 0.
     """
@@ -43,6 +47,7 @@ class Law(NamedTuple):
     direction: Callable[..., float]
     switch: Callable[..., float]
     channels: Callable[..., tuple[ChannelLaw, ChannelLaw]]
+    direct: Callable[..., float]
     turns: bool
 
 
@@ -53,6 +58,7 @@ LAWS = {
         published_direction,
         published_switch,
         published_channels,
+        no_direct,
         turns=False,
     ),
     "corrected": Law(
@@ -61,6 +67,16 @@ LAWS = {
         better_direction,
         corrected_switch,
         corrected_channels,
+        no_direct,
+        turns=True,
+    ),
+    "homogeneous": Law(
+        "homogeneous",
+        corrected_begin,
+        better_direction,
+        corrected_switch,
+        homogeneous_channels,
+        homogeneous_direct,
         turns=True,
     ),
 }
@@ -72,7 +88,7 @@ def law_named(name: str) -> Law:
     Parameters
     ----------
     name : str
-        "published" or "corrected".
+        "published", "corrected" or "homogeneous".
 
     Returns
     -------

@@ -23,7 +23,7 @@ _MISSING = re.compile(r"Object missing required field `(.*)`")
 _OWN_TABLE = re.compile(r"(\w+)\.(?=[A-Za-z_])")
 
 _WRITE: dict[Place, str] = {
-    ("law",): 'write law = "published" or law = "corrected"',
+    ("law",): 'write law = "published", law = "corrected" or law = "homogeneous"',
     ("start",): (
         "add a [start] table with state = [x0, x1, x2, u0, u1] or pose = [x, y, theta]"
     ),
@@ -82,7 +82,8 @@ def sentence(error: msgspec.ValidationError, data: object, root: type) -> str:
     ...     msgspec.convert(data, Scenario)
     ... except msgspec.ValidationError as error:
     ...     print(sentence(error, data, Scenario))
-    law: expected "corrected" or "published", got a string "corected"; did you mean "corrected"?
+    law: expected "corrected", "homogeneous" or "published", got a string "corected"; did you mean
+    "corrected"?
     """
     text, _, at = str(error).partition(" - at `$")
     place = parse_place(at.removesuffix("`")) or ()

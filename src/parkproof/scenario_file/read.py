@@ -29,7 +29,7 @@ class GainsFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
         The gains to check.
     weights : Weights
         Weights of the Lyapunov functions; default the paper's.
-    law : "published" or "corrected", optional
+    law : "published", "corrected" or "homogeneous", optional
         The law, if the file names one.
     title : str
         For reports.
@@ -43,8 +43,12 @@ class GainsFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     bounds: Bounds
     gains: Gains
     weights: Weights = Weights()
-    law: Literal["published", "corrected"] | None = None
+    law: Literal["published", "corrected", "homogeneous"] | None = None
     title: str = ""
+
+    def __post_init__(self) -> None:
+        if self.law is not None:
+            self.gains.check_law(self.law)
 
 
 def read_scenario(path: Path, *, overrides: Sequence[str] = ()) -> Scenario:

@@ -6,6 +6,7 @@ from parkproof.scenario_file.keys import nearest
 TEMPLATES = {
     "paper": "Section 4 of the paper: its start, gains, bounds and published law",
     "corrected": "the same with the corrected law in its implicit, chattering-free form",
+    "homogeneous": "the same with an input in Step 2 that is bounded at every state",
     "adversary": "the same start against the worst gains and disturbances that the bounds allow",
     "velocity-robot": "a robot that takes speed and turn rate, steered from a 30 Hz camera",
     "tilted-camera": "the same under a tilted, rolled pinhole camera that nobody calibrated",

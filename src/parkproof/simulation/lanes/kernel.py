@@ -15,7 +15,7 @@ from typing import Any
 import numba
 import numpy as np
 
-from parkproof.laws.inputs import explicit_inputs, implicit_inputs, predicted
+from parkproof.laws.inputs import explicit_inputs, implicit_inputs, predicted, with_direct
 from parkproof.laws.table import law_named
 from parkproof.laws.turn import turn_channels, turned
 from parkproof.model.chained import chained_inputs
@@ -54,7 +54,7 @@ def kernel_of(law_name: str, *, implicit: bool) -> Callable[..., Any]:
     Parameters
     ----------
     law_name : str
-        "published" or "corrected".
+        "published", "corrected" or "homogeneous".
     implicit : bool
         Which form of the law.
 
@@ -73,7 +73,7 @@ def kernel_of(law_name: str, *, implicit: bool) -> Callable[..., Any]:
     register()
     law = law_named(law_name)
     law_begin, law_direction, law_switch = law.begin, law.direction, law.switch
-    law_channels, turns = law.channels, law.turns
+    law_channels, law_direct, turns = law.channels, law.direct, law.turns
     inputs = implicit_inputs if implicit else explicit_inputs
     compiled = numba.njit(nogil=True, **OPTIONS)
     inlined = numba.njit(forceinline=True, **OPTIONS)
@@ -140,7 +140,8 @@ def kernel_of(law_name: str, *, implicit: bool) -> Callable[..., Any]:
         x0, x1, x2, u0, u1 = b[S0, j], b[S1, j], b[S2, j], b[S3, j], b[S4, j]
         y0, y1, y2 = predicted(x0, x1, x2, u0, u1, p)
         one, two = law_channels(b[STEP, j], b[WAY, j], y0, y1, y2, u0, p)
-        return inputs(one, two, u0, u1, p)
+        tau1, tau2 = inputs(one, two, u0, u1, p)
+        return tau1, with_direct(tau2, law_direct(b[STEP, j], b[WAY, j], y1, y2, u1, p), p)
 
     @inlined
     def command_turning(b, j, p):
