@@ -39,6 +39,17 @@ def test_no_weights_are_shown_not_to_exist_for_one_b1_or_many(varies):
         assert refute(witnesses, FIVE_SEVENTHS, varies=varies)
 
 
+def test_squares_do_not_rescue_five_sevenths():
+    for b1 in ((1.0, 1.0), (1.5, 1.5)):
+        witnesses = no_weights_exist(FIVE_SEVENTHS, b1=b1, varies=False, squares=True)
+        assert 2 <= len(witnesses) <= 5
+        assert refute(witnesses, FIVE_SEVENTHS, varies=False, squares=True)
+
+
+def test_two_states_do_not_rule_out_squares():
+    assert not refute(TWO_STATES, FIVE_SEVENTHS, varies=False, squares=True)
+
+
 def test_published_gains_are_ruled_out_where_b2_is_uncertain():
     gains = Gains(q1="9/11")
     witnesses = no_weights_exist(gains, b1=(0.5, 1.5), b2=(0.8, 1.25), varies=False)

@@ -12,7 +12,11 @@ from parkproof.laws.gains import Gains
 from parkproof.proof.lyapunov import ChainLyapunov, settling_bound, step3_lyapunov
 from parkproof.proof.sphere import worst_ratio
 from parkproof.proof.states import ChainTerms, SampledSphere
-from parkproof.proof.weights import best_weights, best_weights_two_chain
+from parkproof.proof.weights import (
+    best_weights,
+    best_weights_two_chain,
+    best_weights_with_squares,
+)
 
 PAPER = (2.0, 4.2, 21.0)
 
@@ -46,10 +50,14 @@ def test_the_rate_is_the_derivative_along_the_flow_when_b2_is_not_one(constant):
 
     xi2 = power(x[2], 1 / (2 * q - 1)) + L2 * (power(x[1], 1 / q) + L1 * x[0])
     flow = np.array([b1 * x[1], b2 * x[2], -PAPER[2] * power(xi2, 3 * q - 2)])
-    inverses, given = np.array([1.0, 0.3, 0.01]), b1 if constant else None
-    ahead, behind = (ChainTerms(PAPER, q, x + s * flow).values(given) for s in (h, -h))
-    rate = inverses @ ChainTerms(PAPER, q, x).rates((b1, b2), constant=constant)
-    np.testing.assert_allclose(inverses @ (ahead - behind) / (2 * h), rate, rtol=1e-4, atol=1e-4)
+    given = b1 if constant else None
+    ahead, behind = (
+        ChainTerms(PAPER, q, x + s * flow, squares=True).values(given) for s in (h, -h)
+    )
+    rates = ChainTerms(PAPER, q, x, squares=True).rates((b1, b2), constant=constant)
+    assert len(rates) == 5
+    for slope, row in zip((ahead - behind) / (2 * h), rates, strict=True):
+        np.testing.assert_allclose(slope, row, rtol=1e-4, atol=1e-6 * np.abs(row).max())
 
 
 @pytest.mark.parametrize(("q1", "rate"), [("7/9", 0.230), ("9/11", 1.24), ("13/15", 1.77)])
@@ -125,6 +133,25 @@ def test_the_two_chains_weight_beats_others_near_and_far(q):
         assert -worst_ratio(V, alpha=(0.5, 1.5), points=401).ratio <= 1.001 * rate
     V = step3_lyapunov(gains, k=k2, constant_alpha=False)
     assert -worst_ratio(V, alpha=(0.5, 1.5), points=401).ratio == pytest.approx(rate, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("q1", "b2", "seconds"),
+    [("9/11", (1.0, 1.0), 6.75), ("7/9", (1.0, 1.0), 9.3), ("9/11", (0.8, 1.25), 10.0)],
+)
+def test_squares_shorten_the_time_of_the_published_gains(q1, b2, seconds):
+    q = Gains(q1=q1).exponents[1]
+    found = best_weights_with_squares(Gains(q1=q1), b1=(0.5, 1.5), b2=b2, varies=False)
+    start = ChainTerms(PAPER, q, [np.array([x]) for x in (1.0, 0.0, 0.0)], squares=True)
+    value = np.array([1.0, 1 / found.k[0], 1 / found.k[1], *found.s]) @ start.values(0.5)
+    assert settling_bound(float(value[0]), c=found.rate, exponent=0.5 * (1 + q)) < seconds
+
+
+def test_squares_never_make_the_rate_worse():
+    for q1, varies in itertools.product(("7/9", "19/21"), (False, True)):
+        given = {"b1": (0.5, 1.5), "varies": varies, "start": None}
+        plain = best_weights(Gains(q1=q1), **given)[1]
+        assert best_weights_with_squares(Gains(q1=q1), **given).rate > 0.999 * plain
 
 
 def test_zooming_never_loses_a_state():

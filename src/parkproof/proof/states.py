@@ -36,7 +36,9 @@ ZOOMS = 7
 class ChainTerms:
     """Terms of V and V̇ at many states of ż_i = b_i·z_{i+1}, ż_r = τ̃ under the paper's law.
 
-    V = V1 + Σ I_i/k_i, where V1 is z1²/2, or z1²/(2·b1) for a constant b1.
+    V = V1 + Σ I_i/k_i, where V1 is z1²/2, or z1²/(2·b1) for a constant b1. With squares, V holds
+    s_1·y_2²/2 and so on to s_{r−1}·ξ_{r−1}²/2, too: squares of y_2 … y_{r−1} and of ξ_{r−1}, of
+    which the input is a power.
 
     Parameters
     ----------
@@ -46,35 +48,36 @@ class ChainTerms:
         Exponent in ((r − 1)/r, 1).
     state : sequence of r arrays
         The states.
+    squares : bool
+        Whether V holds the squares.
 
     Examples
     --------
     >>> import numpy as np
     >>> terms = ChainTerms((2.0, 4.2, 21.0), 9 / 11, np.array([[1.0], [-2.0], [-2.0]]))
-    >>> inverses = np.array([1.0, 1 / 2.4, 1 / 1.75])
-    >>> print((inverses @ terms.rates((1.5, 1.0), constant=True)).round(1))
+    >>> weights = np.array([1.0, 1 / 2.4, 1 / 1.75])
+    >>> print((weights @ terms.rates((1.5, 1.0), constant=True)).round(1))
     [49.5]
     """
 
-    def __init__(self, gains: Sequence[float], q: float, state: "Sequence[Array]") -> None:
-        import numpy as np
-
-        self._q, self._last, self._z = q, gains[-1], state
+    def __init__(
+        self, gains: Sequence[float], q: float, state: "Sequence[Array]", *, squares: bool = False
+    ) -> None:
+        self._q, self._last, self._z, self._squares = q, gains[-1], state, squares
         self._w = tuple(i * q - (i - 1) for i in range(1, len(gains)))
         self._L = tuple(gain ** (1.0 / w) for gain, w in zip(gains, self._w, strict=False))
         self._y, self._xi = [state[0]], [state[0]]
-        integrals, self._slopes = [], []
+        self._integrals, self._slopes = [], []
         for w, L, z in zip(self._w, self._L, state[1:], strict=True):
             y = signed_power(z, 1.0 / w)
             integral, slope = power_integrals(-L * self._xi[-1], y, w)
             self._y.append(y)
             self._xi.append(y + L * self._xi[-1])
-            integrals.append(integral)
+            self._integrals.append(integral)
             self._slopes.append((2.0 - w) * L * slope)
-        self._integrals = np.array(integrals)
 
     def values(self, b1: float | None) -> "Array":
-        """Give the terms of V: a row each, to be multiplied by 1, 1/k1, 1/k2 and summed.
+        """Give the terms of V: a row each, to be multiplied by 1, 1/k1, …, s1, … and summed.
 
         Parameters
         ----------
@@ -84,12 +87,13 @@ class ChainTerms:
         Returns
         -------
         array
-            r rows.
+            r rows; with squares 2r − 1.
         """
         import numpy as np
 
         first = 0.5 * self._y[0] ** 2 / (1.0 if b1 is None else b1)
-        return np.vstack([first, self._integrals])
+        squares = [*self._y[1:-1], self._xi[-1]] if self._squares else []
+        return np.array([first, *self._integrals, *(0.5 * y**2 for y in squares)])
 
     def rates(self, b: Corner, *, constant: bool) -> "Array":
         """Give the terms of V̇, as those of V.
@@ -104,20 +108,28 @@ class ChainTerms:
         Returns
         -------
         array
-            r rows.
+            r rows; with squares 2r − 1.
         """
         import numpy as np
 
         speeds = [gain * z for gain, z in zip(b, self._z[1:], strict=True)]
         rows, xi_rate = [self._y[0] * (self._z[1] if constant else speeds[0])], speeds[0]
-        for i, (w, L, xi) in enumerate(zip(self._w, self._L, self._xi[1:], strict=True)):
-            row = self._slopes[i] * xi_rate
+        squares = []
+        for i, (w, L, y, xi) in enumerate(
+            zip(self._w, self._L, self._y[1:], self._xi[1:], strict=True)
+        ):
+            row, stretch = self._slopes[i] * xi_rate, np.abs(y) ** (1.0 - w) / w
             if i + 1 < len(speeds):
                 row = row + signed_power(xi, 2.0 - w) * speeds[i + 1]
-                xi_rate = np.abs(self._y[i + 1]) ** (1.0 - w) * speeds[i + 1] / w + L * xi_rate
+                xi_rate = stretch * speeds[i + 1] + L * xi_rate
+                squares.append(y * stretch * speeds[i + 1])
             else:
                 row = row - self._last * np.abs(xi) ** (1.0 + self._q)
+                falls = self._last * np.abs(xi) ** (self._q + w)
+                squares.append(xi * L * xi_rate - stretch * falls)
             rows.append(row)
+        if self._squares:
+            rows += squares
         return np.array(rows)
 
 
@@ -130,13 +142,15 @@ class SampledSphere:
         The law and the form of V; its weights are not used.
     corners : list of tuples
         Values of the uncertain gains.
+    squares : bool
+        Whether V holds squares, too.
 
     Attributes
     ----------
     cube : array
         Coordinates of the states: a column each.
     values, rates : array
-        Terms of V and V̇: corners × r × states.
+        Terms of V and V̇: corners × terms × states.
 
     Examples
     --------
@@ -149,10 +163,13 @@ class SampledSphere:
     True
     """
 
-    def __init__(self, chain: ChainLyapunov, corners: list[Corner]) -> None:
+    def __init__(
+        self, chain: ChainLyapunov, corners: list[Corner], *, squares: bool = False
+    ) -> None:
         import numpy as np
 
         self.chain, self.corners, self._r = chain, corners, len(chain.gains)
+        self._squares = squares
         edge = np.linspace(-1.0, 1.0, EDGE[self._r])
         self._spacing = float(edge[1] - edge[0])
         free = np.array(list(itertools.product(edge, repeat=self._r - 1))).T
@@ -172,39 +189,39 @@ class SampledSphere:
         Returns
         -------
         tuple of 2 arrays
-            Corners × r × states.
+            Corners × terms × states.
         """
         import numpy as np
 
         constant = self.chain.constant_alpha
-        terms = ChainTerms(self.chain.gains, self.chain.q, state)
+        terms = ChainTerms(self.chain.gains, self.chain.q, state, squares=self._squares)
         return (
             np.array([terms.values(b[0] if constant else None) for b in self.corners]),
             np.array([terms.rates(b, constant=constant) for b in self.corners]),
         )
 
-    def worst(self, inverses: "Array") -> float:
+    def worst(self, weights: "Array") -> float:
         """Give the largest V̇/V^((1+q)/2) over the corners and states.
 
         Parameters
         ----------
-        inverses : array of r numbers
-            1, 1/k1, 1/k2.
+        weights : array
+            1, 1/k1, …, s1, ….
 
         Returns
         -------
         float
             The ratio.
         """
-        return float(self._ratios(inverses, self.values, self.rates).max())
+        return float(self._ratios(weights, self.values, self.rates).max())
 
-    def add_worse(self, inverses: "Array") -> tuple[float, float]:
+    def add_worse(self, weights: "Array") -> tuple[float, float]:
         """Zoom in on the worst states of parts of the faces, and add what is met.
 
         Parameters
         ----------
-        inverses : array of r numbers
-            1, 1/k1, 1/k2.
+        weights : array
+            1, 1/k1, …, s1, ….
 
         Returns
         -------
@@ -213,7 +230,7 @@ class SampledSphere:
         """
         import numpy as np
 
-        before = self._ratios(inverses, self.values, self.rates)
+        before = self._ratios(weights, self.values, self.rates)
         corner, at = self._suspects(before)
         centers, face = self.cube[:, at], self._face[at]
         fine = np.linspace(-1.0, 1.0, 7)
@@ -222,7 +239,7 @@ class SampledSphere:
         each, met = np.arange(len(at)), []
         for zoom in range(ZOOMS):
             near = np.clip(centers[:, :, None] + self._spacing / 3.0**zoom * around, -1.0, 1.0)
-            found = self._ratios(inverses, *self._sample(near.reshape(self._r, -1)))
+            found = self._ratios(weights, *self._sample(near.reshape(self._r, -1)))
             own = found.reshape(len(self.corners), len(at), -1)[corner, each]
             centers = near[:, each, own.argmax(axis=1)]
             met.append(centers)
@@ -232,7 +249,7 @@ class SampledSphere:
         self._face = np.concatenate([self._face, np.tile(face, ZOOMS)])
         self.values = np.concatenate([self.values, values], axis=2)
         self.rates = np.concatenate([self.rates, rates], axis=2)
-        return float(before.max()), self.worst(inverses)
+        return float(before.max()), self.worst(weights)
 
     def _suspects(self, ratios: "Array") -> "tuple[Any, Any]":
         """Corners and states of the largest ratios, one from each part of a face in each corner."""
@@ -252,6 +269,6 @@ class SampledSphere:
     def _sample(self, cube: "Array") -> "tuple[Array, Array]":
         return self.terms(self.chain.state_at(*cube))
 
-    def _ratios(self, inverses: "Array", values: "Array", rates: "Array") -> "Array":
-        ratios: Array = (inverses @ rates) / (inverses @ values) ** self.chain.exponent
+    def _ratios(self, weights: "Array", values: "Array", rates: "Array") -> "Array":
+        ratios: Array = (weights @ rates) / (weights @ values) ** self.chain.exponent
         return ratios
