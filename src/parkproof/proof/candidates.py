@@ -7,7 +7,7 @@ inequality; the candidate that is chosen is certified again as a whole.
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple, Protocol
 
 from msgspec.structs import replace
@@ -19,7 +19,7 @@ from parkproof.proof.checker.links import Homogeneous, Link, PowerIntegrator
 from parkproof.proof.checker.parts import Box, GapError, Law, Links, Peaks, Uncertainty
 from parkproof.proof.checker.starts import boxes, directions
 from parkproof.proof.checker.whole_run import gain_range, run_bounds, run_up
-from parkproof.proof.lmi import homogeneous_gains
+from parkproof.proof.lmi import HomogeneousGains, homogeneous_gains
 from parkproof.proof.scaling import ThreeChainForm, TwoChainForm
 from parkproof.proof.whole_run import law_section
 from parkproof.spec import Spec
@@ -272,16 +272,35 @@ class HomogeneousEngine(_Common):
     Examples
     --------
     >>> list(HomogeneousEngine.__dataclass_fields__)
-    ['spec', 'hold', 'back']
+    ['spec', 'hold', 'back', '_solved']
     """
+
+    _solved: dict[tuple[float, ...], HomogeneousGains | None] = field(
+        default_factory=dict, repr=False
+    )
 
     def candidate(self, knobs: Knobs) -> Candidate | None:
         """The candidate with these numbers, or None if it has no proof."""
         gains, switching, hold, back = self.gains(knobs)
+        key = knobs[:3]  # the speed of the return comes later, and is varied most
+        if key not in self._solved:
+            self._solved[key] = self._solve(knobs.approach, gains, switching, hold)
+        found = self._solved[key]
+        if found is None:
+            return None
+        ellipsoid = Ellipsoid(found.ellipsoid, found.feedback)
+        link: Link = Homogeneous(ellipsoid, found.rate, found.rho)
+        whole = replace(gains, ellipsoid=found.ellipsoid, feedback=found.feedback)
+        return self.finished("homogeneous", whole, switching, Links(link, hold, back))
+
+    def _solve(
+        self, tau_max: float, gains: Gains, switching: Switching, hold: PowerIntegrator
+    ) -> HomogeneousGains | None:
+        """The fastest approach from all states in which the run-up can end."""
         bounds = self.spec.bounds
         law, known = Law.of(law_section("corrected", gains, switching)), self.known()
         gamma, phi = bounds.gamma_of(1), bounds.disturbance_of(1)
-        if phi >= gamma[0] * knobs.approach:
+        if phi >= gamma[0] * tau_max:
             return None
         try:
             starting = list(boxes(self.spec.starts.ranges, law, known, hold, Peaks()))
@@ -293,20 +312,14 @@ class HomogeneousEngine(_Common):
             ]
         except (GapError, ValueError, OverflowError):
             return None
-        found = homogeneous_gains(
+        return homogeneous_gains(
             b1=b1,
             b2=bounds.b2,
             gamma=gamma,
             disturbance=phi,
-            tau_max=knobs.approach,
+            tau_max=tau_max,
             starts=_corners(ends),
         )
-        if found is None:
-            return None
-        ellipsoid = Ellipsoid(found.ellipsoid, found.feedback)
-        link: Link = Homogeneous(ellipsoid, found.rate, found.rho)
-        whole = replace(gains, ellipsoid=found.ellipsoid, feedback=found.feedback)
-        return self.finished("homogeneous", whole, switching, Links(link, hold, back))
 
 
 def _corners(ends: Sequence[Box]) -> list[tuple[float, float, float]]:

@@ -4,7 +4,6 @@ Nothing here is trusted: `parkproof.proof.checker` proves or refuses what is fou
 """
 
 import itertools
-import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -203,78 +202,3 @@ def approach_link(
     if proved is None or sizes is None:
         return None
     return {"k": list(weights), "w": 1.0, "rate": proved, "sizes": sizes}
-
-
-def ellipsoid_link(
-    ellipsoid: Sequence[float],
-    feedback: Sequence[float],
-    ranges: Sequence[Range],
-    gamma: Range,
-    phi: float,
-) -> dict[str, Any] | None:
-    """Find and prove how fast V of the homogeneous law falls.
-
-    Parameters
-    ----------
-    ellipsoid, feedback : six and three floats
-        P and k.
-    ranges : two pairs
-        Ranges of b1 and b2.
-    gamma : pair of floats
-        Range of γ.
-    phi : float
-        Bound of |φ|.
-
-    Returns
-    -------
-    dict or None
-        Rate and ρ; None if no rate was proved.
-
-    Examples
-    --------
-    >>> ellipsoid_link((1, 0, 0, 1, 0, 1), (-1, -1, -1), [(1, 1), (1, 1)], (1, 1), 0.0) is None
-    True
-    """
-    import numpy as np
-    from scipy.optimize import minimize_scalar
-
-    from parkproof.proof.checker.ellipsoid import Ellipsoid
-
-    p11, p12, p13, p22, p23, p33 = ellipsoid
-    P = np.array([[p11, p12, p13], [p12, p22, p23], [p13, p23, p33]])
-    weighted = np.diag([3.0, 2.0, 1.0]) @ P
-    weighted += weighted.T
-    if min(np.linalg.eigvalsh(P)[0], np.linalg.eigvalsh(weighted)[0]) <= 0.0:
-        return None
-    root = np.linalg.inv(np.linalg.cholesky(weighted))
-    edge = P[:, 2:]
-
-    def rate_at(weakness: float, log_rho: float) -> float:
-        rho = math.exp(log_rho) if phi else 0.0
-        pushed = (phi**2 / rho) * (edge @ edge.T) if phi else np.zeros((3, 3))
-        worst = math.inf
-        for b1, b2 in itertools.product(*ranges):
-            A = np.array([[0.0, b1, 0.0], [0.0, 0.0, b2], [0.0, 0.0, 0.0]])
-            A[2] += weakness * np.array(feedback)
-            total = P @ A + A.T @ P + pushed + rho * P
-            worst = min(worst, -float(np.linalg.eigvalsh(root @ total @ root.T)[-1]))
-        return worst
-
-    def best_rho(weakness: float) -> float:
-        if phi == 0.0:
-            return 0.0
-        found = minimize_scalar(
-            lambda x: -rate_at(weakness, x), bounds=(-12.0, 6.0), options={"xatol": 1e-9}
-        )
-        return float(f"{math.exp(found.x):.9g}")
-
-    rho = [best_rho(end) for end in gamma]
-    reached = [rate_at(end, math.log(x) if x else 0.0) for end, x in zip(gamma, rho, strict=True)]
-    exact_ellipsoid = Ellipsoid(tuple(ellipsoid), tuple(feedback))
-    for share in (1.0 - 1e-6, 0.999, 0.99):
-        rate = float(f"{share * min(reached):.9g}")
-        if rate > 0.0 and exact_ellipsoid.prove_rate(
-            rate, (rho[0], rho[1]), ranges[0], ranges[1], gamma, phi
-        ):
-            return {"rate": rate, "rho": rho}
-    return None

@@ -21,7 +21,8 @@ from parkproof.proof.checker.certificate import (
 from parkproof.proof.checker.parts import GapError, Law, Peaks, Uncertainty
 from parkproof.proof.checker.starts import boxes
 from parkproof.proof.checker.whole_run import gain_range, run_bounds
-from parkproof.proof.find_links import approach_link, ellipsoid_link, two_chain_link
+from parkproof.proof.find_links import approach_link, two_chain_link
+from parkproof.proof.homogeneous_rate import proven_rate
 from parkproof.proof.weights import best_weights
 
 
@@ -193,6 +194,7 @@ def certify(
             raise InputError(
                 f'{name} = {exponent}: a certificate needs a ratio of integers; write "9/11"'
             )
+    gains.check_law(law)
     free = switching is None
     chosen = switching or Switching(
         tolerance=(0.1 * gains.runup_speed, 0.01, 0.01), hysteresis=1e9, turn_tolerance=0.01
@@ -281,9 +283,17 @@ def _approach(
     law: str, gains: Gains, ranges: list[tuple[float, float]], bounds: Bounds
 ) -> dict[str, Any] | None:
     """The link of Step 2, proved."""
-    if law == "homogeneous":
+    if law == "homogeneous" and gains.ellipsoid is not None and gains.feedback is not None:
         gamma, phi = bounds.gamma_of(1), bounds.disturbance_of(1)
-        return ellipsoid_link(gains.ellipsoid or (), gains.feedback or (), ranges, gamma, phi)
+        found = proven_rate(
+            gains.ellipsoid,
+            gains.feedback,
+            b1=ranges[0],
+            b2=ranges[1],
+            gamma=gamma,
+            disturbance=phi,
+        )
+        return None if found is None else {"rate": found[0], "rho": list(found[1])}
     weights, rate = best_weights(gains, b1=ranges[0], b2=ranges[1], varies=True)
     return approach_link(gains, weights, ranges, rate)
 
