@@ -19,7 +19,7 @@ COMMANDS = {
     "design": "Find gains for given limits, with a proof that runs under them park.",
     "certify": "Prove that runs with given gains park, and write the proof as a certificate.",
     "verify": "Re-prove a certificate and print its theorem.",
-    "schema": "Print the JSON schema of scenario files, for editors.",
+    "schema": "Print the JSON schema of scenario files or certificates, for editors.",
     "citation": "Print BibTeX for the paper and for this software.",
     "completion": "Print or install the completion script of a shell.",
 }

@@ -1,8 +1,15 @@
-"""``parkproof schema``: the JSON schema of scenario files."""
+"""``parkproof schema``: the JSON schemas of the files."""
+
+from typing import Literal
 
 
-def schema() -> int:
-    """Print the JSON schema of scenario files, for editors.
+def schema(kind: Literal["scenario", "certificate"] = "scenario", /) -> int:
+    """Print a JSON schema, for editors and other programs.
+
+    Parameters
+    ----------
+    kind : "scenario" or "certificate"
+        Of which files; default scenario.
 
     Returns
     -------
@@ -17,6 +24,13 @@ def schema() -> int:
     0
     """
     from parkproof.cli.console import write
+
+    if kind == "certificate":
+        from importlib import resources
+
+        file = resources.files("parkproof.proof").joinpath("certificate.schema.json")
+        write(file.read_text(encoding="utf-8"))
+        return 0
     from parkproof.scenario_file import schema_text
 
     write(schema_text())

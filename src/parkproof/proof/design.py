@@ -18,7 +18,6 @@ from parkproof.proof.candidates import (
 )
 from parkproof.proof.find_links import approach_link, two_chain_link
 from parkproof.proof.scaling import ThreeChainForm, TwoChainForm
-from parkproof.proof.weights import best_weights
 from parkproof.proof.whole_run import certify
 from parkproof.spec import Spec
 
@@ -158,9 +157,7 @@ def engines(spec: Spec, progress: Callable[[str], None]) -> Iterator[Engine]:
     ranges = [(low * SHARE * (1.0 - 1e-9), high * (1.0 + 1e-9)), spec.bounds.b2]
     for q1, gains_l in FORMS:
         progress(f"Lyapunov function of the paper's Step 2, q1 = {q1}")
-        normal = Gains(q1=q1, l=gains_l)
-        weights, rate = best_weights(normal, b1=ranges[0], b2=ranges[1], varies=True)
-        link = approach_link(normal, weights, ranges, rate)
+        link = approach_link(Gains(q1=q1, l=gains_l), ranges)
         if link is not None:
             yield PaperEngine(spec, hold, back, ThreeChainForm(q1, gains_l, link))
 

@@ -9,9 +9,10 @@ from typing import Any
 
 from parkproof.laws.gains import Gains
 from parkproof.proof.checker.balls import Range, exact
-from parkproof.proof.checker.chains import Chain, ThreeChain, TwoChain
+from parkproof.proof.checker.chains import Chain, TwoChain
 from parkproof.proof.checker.lemmas import prove_rate, prove_sizes
-from parkproof.proof.weights import best_weights_two_chain
+from parkproof.proof.checker.squares import ThreeChainWithSquares
+from parkproof.proof.weights import best_weights_two_chain, best_weights_with_squares
 from parkproof.validate import Ratio
 
 SHARES = (0.97, 0.9, 0.75, 0.5)
@@ -171,34 +172,36 @@ def two_chain_link(q: str, k: tuple[float, float], gains: Range) -> dict[str, An
 
 
 def approach_link(
-    gains: Gains, weights: tuple[float, float], ranges: Sequence[Range], rate: float
+    gains: Gains, ranges: Sequence[Range], *, start: Sequence[float] = (1.0, 0.0, 0.0)
 ) -> dict[str, Any] | None:
-    """Prove the Lyapunov function of Step 2 with given weights.
+    """Find and prove the Lyapunov function of Step 2, for gains that vary in time.
 
     Parameters
     ----------
     gains : Gains
         q1 and l are used.
-    weights : two floats
-        k1, k2.
     ranges : two pairs
         Ranges of b1 and b2.
-    rate : float
-        What sampling left possible.
+    start : three floats
+        |x1|, |x2| and |u1| from which the time is made short.
 
     Returns
     -------
     dict or None
-        Weights, rate and sizes; None if the rate was not proved.
+        Weights, rate and sizes; None if V falls for no weights tried.
 
     Examples
     --------
-    >>> approach_link(Gains(q1="13/15"), (3.0, 120.0), [(0.25, 1.5), (1.0, 1.0)], -0.1) is None
+    >>> approach_link(Gains(q1="13/15", l=(1.0, 1.0, 1.0)), [(0.25, 1.5), (1.0, 1.0)]) is None
     True
     """
-    chain = ThreeChain(str(gains.exponents[1]), gains.l, weights, 1.0)
-    proved = proved_rate(chain, ranges, rate)
-    sizes = proved_sizes(chain, count=33) if proved is not None else None
-    if proved is None or sizes is None:
+    b1, b2 = ranges
+    found = best_weights_with_squares(gains, b1=b1, b2=b2, varies=True, start=start)
+    if found.rate <= 0.0:
         return None
-    return {"k": list(weights), "w": 1.0, "rate": proved, "sizes": sizes}
+    chain = ThreeChainWithSquares(str(gains.exponents[1]), gains.l, found.k, 1.0, found.s)
+    rate = proved_rate(chain, ranges, found.rate)
+    sizes = proved_sizes(chain, count=33) if rate is not None else None
+    if rate is None or sizes is None:
+        return None
+    return {"k": list(found.k), "s": list(found.s), "w": 1.0, "rate": rate, "sizes": sizes}

@@ -8,8 +8,9 @@ numbers are rounded, so what is finally written is proved again.
 from dataclasses import dataclass
 from typing import Any
 
-from parkproof.proof.checker.chains import ThreeChain, TwoChain
+from parkproof.proof.checker.chains import TwoChain
 from parkproof.proof.checker.links import PowerIntegrator
+from parkproof.proof.checker.squares import ThreeChainWithSquares
 from parkproof.validate import Ratio
 
 ROUNDING = 1.003
@@ -68,11 +69,11 @@ class ThreeChainForm:
     l : tuple of 3 floats
         Gains.
     link : dict
-        Weights k, rate and sizes; see `parkproof.proof.find_links.approach_link`.
+        Weights k and s, rate and sizes; see `parkproof.proof.find_links.approach_link`.
 
     Examples
     --------
-    >>> link = {"k": [3.2, 130.0], "rate": 1.2, "sizes": [2.1, 20.0, 1400.0, 460.0]}
+    >>> link = {"k": [3.2, 130.0], "s": [0.0, 0.0], "rate": 1.2, "sizes": [2.1, 20, 1400, 460]}
     >>> l, _ = ThreeChainForm("9/11", (2.0, 4.2, 21.0), link).scaled(1.0, 0.5)
     >>> l[0]
     4.0
@@ -94,7 +95,10 @@ class ThreeChainForm:
         gains = (_short(l1 * slope), _short(l2 * spin / two**e), _short(l3 * push / three**r))
         k1, k2 = self.link["k"]
         weights = (_short(k1 * two**2), _short(k2 * three**2))
+        one, other = self.link["s"]
+        squares = (_short(one / two**2), _short(other / three**2))
+        chain = ThreeChainWithSquares(self.q, gains, weights, 1.0, squares)
         s1, s2, s3, s4 = (size * ROUNDING for size in self.link["sizes"])
         sizes = (s1, s2 * two**2, s3 * three**2, s4 * three**2)
         rate = speed * self.link["rate"] / ROUNDING
-        return gains, PowerIntegrator(ThreeChain(self.q, gains, weights, 1.0), rate, sizes)
+        return gains, PowerIntegrator(chain, rate, sizes)

@@ -23,7 +23,6 @@ from parkproof.proof.checker.starts import boxes
 from parkproof.proof.checker.whole_run import gain_range, run_bounds
 from parkproof.proof.find_links import approach_link, two_chain_link
 from parkproof.proof.homogeneous_rate import proven_rate
-from parkproof.proof.weights import best_weights
 
 
 @dataclass(frozen=True)
@@ -294,8 +293,7 @@ def _approach(
             disturbance=phi,
         )
         return None if found is None else {"rate": found[0], "rho": list(found[1])}
-    weights, rate = best_weights(gains, b1=ranges[0], b2=ranges[1], varies=True)
-    return approach_link(gains, weights, ranges, rate)
+    return approach_link(gains, ranges)
 
 
 def _signed(

@@ -15,10 +15,11 @@ from typing import Any
 from flint import ctx
 
 from parkproof.proof.checker.balls import Range, exact
-from parkproof.proof.checker.chains import ThreeChain, TwoChain
+from parkproof.proof.checker.chains import TwoChain
 from parkproof.proof.checker.ellipsoid import Ellipsoid
 from parkproof.proof.checker.links import Homogeneous, Link, PowerIntegrator
 from parkproof.proof.checker.parts import GapError, Law, Links, Peaks, Uncertainty
+from parkproof.proof.checker.squares import ThreeChainWithSquares
 from parkproof.proof.checker.whole_run import run_bounds
 
 SCHEMA = "parkproof-certificate-1"
@@ -154,7 +155,7 @@ def links_of(law: dict[str, Any], lyapunov: dict[str, Any]) -> Links:
         ellipsoid = Ellipsoid(law["ellipsoid"], law["feedback"])
         approach = Homogeneous(ellipsoid, found["rate"], (found["rho"][0], found["rho"][1]))
     else:
-        chain = ThreeChain(law["q1"], law["l"], found["k"], 1.0)
+        chain = ThreeChainWithSquares(law["q1"], law["l"], found["k"], 1.0, found["s"])
         approach = PowerIntegrator(chain, found["rate"], tuple(found["sizes"]))
     hold, back = (two_chain_of(law, lyapunov, name) for name in ("hold", "return"))
     return Links(approach, hold, back)
@@ -188,10 +189,12 @@ def _flaws(certificate: dict[str, Any]) -> Iterator[str]:
         yield "a range of the assumptions is crossed"
     gains = ["k", "hold", "tolerance", "lambda1", "runup_speed", "turn_tolerance", "chart_limit"]
     gains += ["l"] if law["name"] == "corrected" else []
-    links = [{**link, "rho": []} for link in lyapunov.values()]  # ρ is 0 without disturbance
+    # ρ is 0 without disturbance, and squares may be left out of V
+    links = [{**link, "rho": [], "s": []} for link in lyapunov.values()]
+    free = _numbers([[link.get("rho", []), link.get("s", [])] for link in lyapunov.values()])
     positive = _numbers([links, given["alpha"], given["gamma"], given["b2"]])
     positive += _numbers([law[name] for name in gains])
-    if not all(number > 0 for number in positive) or min(given["disturbance"]) < 0:
+    if not all(number > 0 for number in positive) or min([*given["disturbance"], *free]) < 0:
         yield "a gain, weight or bound is not positive"
     if not law["chart_limit"] < 90 or not law["turn_tolerance"] < 1:
         yield "chart_limit must be below 90 degrees, and turn_tolerance below 1"

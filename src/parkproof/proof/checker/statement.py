@@ -42,7 +42,7 @@ def statement_of(certificate: dict[str, Any]) -> list[str]:
         f"1. Within {claim['total_time']} s the robot is parked: x0, x2, u0 and u1 are 0 and stay "
         f"0, and x1 stays where it is, with |x1| <= {claim['x1_at_rest']}.",
         f"2. Always |tau1| <= {tau1} and |tau2| <= {tau2}.",
-        f"3. Always {low} <= x0 <= {high} and |x1| <= {x1}: so it stays in such a view.",
+        f"3. Always {low} <= x0 <= {high} and |x1| <= {x1}: it stays in any view that holds this.",
         f"4. Always |u0| <= {u0}, and, after a turn if it needs one, |x2| <= {x2} and "
         f"|u1| <= {u1}.",
         f"5. Always |v| <= {claim['max_speed']} and |omega| <= {claim['max_turn_rate']}, and the "
