@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 COMMANDS = {
     "reproduce": "Make Section 4 of the paper anew: its figures, and what its claims come to.",
     "park": "Carry out the run that a scenario file describes.",
-    "init": "Write a commented scenario file that runs as it is.",
+    "init": "Write a commented scenario, or a specification for design, that runs as it is.",
     "check": "Evaluate the paper's conditions (15)-(19) on the gains in a file.",
     "search": "Search for gains: Remark 3 as printed, a search that works, and Remark 4.",
     "design": "Find gains for given limits, with a proof that runs under them park.",

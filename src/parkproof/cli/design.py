@@ -24,7 +24,7 @@ def design(
     no_pictures: bool = False,
     quiet: bool = False,
 ) -> int:
-    """Find gains for a specification, with a proof that runs under them park.
+    """Find gains for given limits, with a proof that runs under them park.
 
     Writes gains.toml, certificate.json, summary.json, a scenario that uses the gains, and
     pictures: the trade-offs, and the settling time over starts. Exit status 1, with the limit that

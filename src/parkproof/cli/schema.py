@@ -4,7 +4,7 @@ from typing import Literal
 
 
 def schema(kind: Literal["scenario", "certificate"] = "scenario", /) -> int:
-    """Print a JSON schema, for editors and other programs.
+    """Print the JSON schema of scenario files or certificates, for editors.
 
     Parameters
     ----------

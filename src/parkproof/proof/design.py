@@ -24,8 +24,13 @@ from parkproof.spec import Spec
 TWO_CHAIN = ("7/9", (1.5, 6.5))
 """q2 and k̃1, k̃3 of the normalised form of holding and return: the paper's."""
 
-FORMS = (("9/11", (1.0, 2.5, 8.0)), ("9/11", (2.0, 4.2, 21.0)))
-"""q1 and l of the normalised forms of Step 2 that are tried."""
+FORMS = (
+    ("7/9", (1.0, 2.5, 8.0)),
+    ("7/9", (1.5, 4.6, 29.0)),
+    ("9/11", (2.0, 4.2, 21.0)),
+)
+"""q1 and l of the normalised forms of Step 2 that are tried: one of little input, one for an
+uncertain b2, and the paper's."""
 
 LOWEST, HIGHEST = Knobs(0.05, 0.1, 0.2, 0.15), Knobs(3.0, 6.0, 6.0, 4.0)
 """Where the search looks; the homogeneous law's τ2 has its own range."""
@@ -344,26 +349,35 @@ def over_limits(candidate: Candidate, spec: Spec) -> list[str]:
 
 def _nearest(found: Design, over: list[str]) -> str:
     """Why the limits cannot be kept: which one binds, and the nearest value with which they can."""
-    single: dict[str, float] = {}
+    nearest: dict[str, tuple[float, Candidate]] = {}
     for candidate in found.looked_at:
         names = over_limits(candidate, found.spec)
-        if len(names) == 1:
-            needed = candidate.excesses(found.spec)[names[0]][0]
-            single[names[0]] = min(single.get(names[0], math.inf), needed)
-    if not single:
+        groups = {name.partition("[")[0] for name in names}
+        if len(groups) == 1:
+            pairs = candidate.excesses(found.spec)
+            excess = max(pairs[name][0] / abs(pairs[name][1] or 1e-9) for name in names)
+            group = groups.pop()
+            if group not in nearest or excess < nearest[group][0]:
+                nearest[group] = (excess, candidate)
+    if not nearest:
         return (
             f"no gains were found that keep all limits; the best exceed {' and '.join(over)}: "
             "relax them together"
         )
-    allowed = found.chosen.excesses(found.spec) if found.chosen else {}
-    ways = sorted(
-        (value / abs(allowed[name][1] or 1e-9), name, value) for name, value in single.items()
-    )
-    texts = [
-        f"{name} binds: {allowed[name][1]:g} is allowed, {value:.4g} would do, all else as it is"
-        for _, name, value in ways
-    ]
+    texts = []
+    for group, (_, candidate) in sorted(nearest.items(), key=lambda item: item[1][0]):
+        pairs = candidate.excesses(found.spec)
+        needs = " and ".join(
+            _need(name, *pairs[name]) for name in over_limits(candidate, found.spec)
+        )
+        texts.append(f"{group} binds, all else as it is: {needs}")
     return "no gains were found that keep all limits; " + "; or ".join(texts)
+
+
+def _need(name: str, needed: float, allowed: float) -> str:
+    """What would do in the place of a limit; the low ends of a view are negative."""
+    sign = -1.0 if name in ("limits.view[0]", "limits.view[2]") else 1.0
+    return f"{name} = {sign * needed:.4g} would do, {sign * allowed:g} does not"
 
 
 def _certified(found: Design, progress: Callable[[str], None]) -> Design:

@@ -155,6 +155,18 @@ class Box:
 def plus(one: Interval, low: arb, high: arb) -> Interval:
     """Widen an interval: its low end by one number, its high end by another.
 
+    Parameters
+    ----------
+    one : tuple of 2 arb
+        The interval.
+    low, high : arb
+        What is added to its ends.
+
+    Returns
+    -------
+    tuple of 2 arb
+        The wider one.
+
     Examples
     --------
     >>> [float(end) for end in plus((arb(0), arb(1)), arb(-1), arb(2))]
@@ -165,6 +177,16 @@ def plus(one: Interval, low: arb, high: arb) -> Interval:
 
 def ends_of(pair: Any) -> Interval:
     """The exact ends of a pair of floats.
+
+    Parameters
+    ----------
+    pair : pair of floats
+        Ends.
+
+    Returns
+    -------
+    tuple of 2 arb
+        The interval.
 
     Examples
     --------
@@ -177,6 +199,16 @@ def ends_of(pair: Any) -> Interval:
 def around(bound: arb) -> Interval:
     """The interval from −bound to bound.
 
+    Parameters
+    ----------
+    bound : arb
+        Not negative.
+
+    Returns
+    -------
+    tuple of 2 arb
+        The interval.
+
     Examples
     --------
     >>> [float(end) for end in around(arb(2))]
@@ -188,6 +220,16 @@ def around(bound: arb) -> Interval:
 def largest_size(pair: Interval) -> arb:
     """The largest |x| in an interval.
 
+    Parameters
+    ----------
+    pair : tuple of 2 arb
+        The interval.
+
+    Returns
+    -------
+    arb
+        An upper bound of it.
+
     Examples
     --------
     >>> float(largest_size((arb(-3), arb(2))))
@@ -198,6 +240,16 @@ def largest_size(pair: Interval) -> arb:
 
 def product(one: Interval, two: Interval) -> Interval:
     """An interval that holds the products of two.
+
+    Parameters
+    ----------
+    one, two : tuples of 2 arb
+        Intervals.
+
+    Returns
+    -------
+    tuple of 2 arb
+        The interval.
 
     Examples
     --------

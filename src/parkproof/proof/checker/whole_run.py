@@ -33,7 +33,22 @@ from parkproof.proof.checker.starts import boxes, directions
 
 
 def cruise_range(law: Law, box: Box, way: int) -> Interval:
-    """Range of s·u0 in the approach."""
+    """Range of s·u0 in the approach.
+
+    Parameters
+    ----------
+    law : Law
+        Its run-up speed and tolerance.
+    box : Box
+        Where Step 1 begins; u0 comes from there monotonically.
+    way : int
+        s.
+
+    Returns
+    -------
+    tuple of 2 arb
+        The range.
+    """
     along = (box.u0[1] if way > 0 else -box.u0[0]).upper()
     high = law.cruise if along <= law.cruise else law.cruise + law.tolerance1
     return (law.cruise - law.tolerance1).lower(), high.upper()
