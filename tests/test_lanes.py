@@ -137,6 +137,12 @@ def values_of(run: Run) -> dict[str, float | None]:
         "excursion": m.excursion,
         "path_length": m.path_length,
         "ended": run.ended,
+        **{f"max_{name}": value for name, value in m.max_abs.items()},
+        "max_speed": m.max_speed,
+        "max_turn_rate": m.max_turn_rate,
+        "max_heading": math.radians(90.0 - m.least_distance_to_90_deg),
+        "least_x0": m.x0_range[0],
+        "largest_x0": m.x0_range[1],
         **m.final,
     }
 
@@ -278,6 +284,17 @@ def test_a_lane_does_not_depend_on_the_number_of_threads(
     crowd: list[Scenario], crowd_results: dict[str, Any]
 ) -> None:
     assert same(simulate_ensemble(crowd, threads=3), crowd_results, slice(None)) == []
+
+
+def test_a_lane_s_plant_step_is_its_own(section4: Make) -> None:
+    """Square waves need smaller steps, whatever the company needs."""
+    given = [section4(truth=name, duration=1.0) for name in ("sines", "squares", "sines")]
+    together = simulate_ensemble(given)
+    for i, scenario in enumerate(given):
+        assert same(simulate_ensemble([scenario]), together, [i]) == []
+        assert together["path_length"][i] == pytest.approx(
+            simulate(scenario).metrics.path_length, rel=1e-2
+        )
 
 
 # --------------------------------------------------------------------------------- what is refused

@@ -759,6 +759,7 @@ def test_metrics_of_a_trajectory_made_by_hand() -> None:
     assert m.path_length == 5.0 + 4.0 + 3.0
     assert m.least_distance_to_90_deg == pytest.approx(-10.0)
     assert (m.max_speed, m.max_turn_rate) == (8.0, 3.0)
+    assert m.x0_range == [-0.3, 9.0]
     assert m.max_abs == {"x0": 9.0, "x1": 4.0, "x2": 2.0, "u0": 7.0, "u1": 0.0}
     assert m.max_abs_after_step2 == {"x0": 0.2, "x1": 0.4, "x2": 0.1, "u0": 0.0, "u1": 0.0}
     assert m.final == {"x0": 0.1, "x1": -0.4, "x2": 0.1, "u0": 0.0, "u1": 0.0}

@@ -1,7 +1,7 @@
 """Many runs of one scenario: starts and truths differ, everything else is shared."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from parkproof.errors import InputError
-from parkproof.laws.parameters import law_parameters
+from parkproof.laws.parameters import LawParameters, law_parameters
 from parkproof.model.truth import channel
 from parkproof.scenario import Scenario
 from parkproof.simulation.lanes.buffer import BLOCK, LEFT_CHART, RESULTS, Clock, LaneLimits
-from parkproof.simulation.metrics import RESIDUAL_WINDOW
+from parkproof.simulation.metrics import RESIDUAL_WINDOW, STATE_NAMES
 from parkproof.simulation.outcome import Outcome
 from parkproof.simulation.run import HOLD, plant_steps
 
@@ -67,8 +67,10 @@ def simulate_ensemble(scenarios: Sequence[Scenario], *, threads: int = 1) -> dic
         A value a trial: ``outcome`` (`Outcome`), ``total`` and ``end0`` … ``end3`` (settling times
         in s, NaN where there is none), ``returns``, ``residual`` (NaN where the run ended early),
         ``peak_tau1``, ``peak_tau2``, ``rms_tau1``, ``rms_tau2``, ``total_variation_tau1``,
-        ``total_variation_tau2``, ``excursion``, ``path_length``, ``ended`` and the final state
-        ``x0`` … ``u1`` (or x, y, θ, v, ω where a trial ended turning).
+        ``total_variation_tau2``, ``excursion``, ``path_length``, ``ended``, the largest magnitudes
+        ``max_x0`` … ``max_u1`` (x2, u0 and u1 outside Step 0 only), ``max_speed``,
+        ``max_turn_rate`` and ``max_heading`` (|θ|), the range ``least_x0``, ``largest_x0``, and
+        the final state ``x0`` … ``u1`` (or x, y, θ, v, ω where a trial ended turning).
 
     Raises
     ------
@@ -115,7 +117,7 @@ def simulate_ensemble(scenarios: Sequence[Scenario], *, threads: int = 1) -> dic
         saturation=limits.saturation,
     )
     end = run.samples * run.control_period
-    clock = Clock(run.control_period, run.samples, plant_steps(first), end - RESIDUAL_WINDOW)
+    clock = Clock(run.control_period, run.samples, 1, end - RESIDUAL_WINDOW)
     none = math.inf
     lane_limits = LaneLimits(
         *(limits.tau or (none, none)),
@@ -123,21 +125,38 @@ def simulate_ensemble(scenarios: Sequence[Scenario], *, threads: int = 1) -> dic
         limits.turn_rate or none,
         *(limits.view or (-none, none, -none, none)),
     )
-    arrays = _lanes(scenarios)
-    out = np.empty((len(RESULTS), arrays[0].shape[1]))
+    out = np.empty((len(RESULTS), len(scenarios)))
+    # signals that jump ask for smaller steps: lanes of one block share theirs
+    steps = np.array([plant_steps(scenario) for scenario in scenarios])
+    with ThreadPoolExecutor(threads) as pool:
+        for size in np.unique(steps).tolist():
+            alike = np.flatnonzero(steps == size)
+            some = [scenarios[i] for i in alike.tolist()]
+            rows = _carry_out(kernel, p, clock._replace(plant_steps=size), lane_limits, some, pool)
+            out[:, alike] = rows
+    return _results(dict(zip(RESULTS, out, strict=True)), first, clock)
 
-    def block(begin: int) -> None:
+
+def _carry_out(
+    kernel: Callable[..., None],
+    p: LawParameters,
+    clock: Clock,
+    limits: LaneLimits,
+    scenarios: Sequence[Scenario],
+    pool: ThreadPoolExecutor,
+) -> Floats:
+    """The kernel's rows of trials that share an integration step, block by block."""
+    arrays = _lanes(scenarios)
+
+    def block(begin: int) -> Floats:
         lanes = slice(begin, begin + BLOCK)
         parts = [np.ascontiguousarray(a[..., lanes]) for a in arrays]
         rows = np.empty((len(RESULTS), BLOCK))
-        kernel(p, clock, lane_limits, *parts, rows)
-        out[:, lanes] = rows
+        kernel(p, clock, limits, *parts, rows)
+        return rows
 
-    with ThreadPoolExecutor(threads) as pool:
-        for _ in pool.map(block, range(0, out.shape[1], BLOCK)):
-            pass
-    rows = {name: row[: len(scenarios)] for name, row in zip(RESULTS, out, strict=True)}
-    return _results(rows, first, clock)
+    blocks = list(pool.map(block, range(0, arrays[0].shape[1], BLOCK)))
+    return np.hstack(blocks)[:, : len(scenarios)]
 
 
 _ENDS = (
@@ -189,5 +208,11 @@ def _results(rows: dict[str, Floats], scenario: Scenario, clock: Clock) -> dict[
         **{f"total_variation_tau{i}": variation[i] for i in (1, 2)},
         "excursion": np.sqrt(rows["excursion2"]),
         "path_length": rows["path"],
-        **{name: rows[f"s{i}"] for i, name in enumerate(("x0", "x1", "x2", "u0", "u1"))},
+        **{f"max_{name}": rows[f"max{i}"] for i, name in enumerate(STATE_NAMES)},
+        "max_speed": rows["speed"],
+        "max_turn_rate": rows["turn_rate"],
+        "max_heading": np.maximum(np.arctan(rows["max2"]), rows["heading"]),
+        "least_x0": rows["low0"],
+        "largest_x0": rows["high0"],
+        **{name: rows[f"s{i}"] for i, name in enumerate(STATE_NAMES)},
     }

@@ -36,6 +36,8 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
         How close the heading came to ±90°, in degrees; negative beyond.
     max_speed, max_turn_rate : float
         Largest |v| and |ω|.
+    x0_range : list of 2 floats
+        Least and largest x0.
     max_abs, max_abs_after_step2 : dict
         Largest |state| by name, over the run and since Step 2 ended (null if it did not); x2, u0
         and u1 are taken outside Step 0 only.
@@ -53,6 +55,7 @@ class Metrics(msgspec.Struct, frozen=True, kw_only=True):
     least_distance_to_90_deg: float
     max_speed: float
     max_turn_rate: float
+    x0_range: list[float]
     max_abs: dict[str, float]
     max_abs_after_step2: dict[str, float] | None
     final: dict[str, float]
@@ -120,6 +123,7 @@ def metrics_of(columns: Columns, *, end_of_step2: float | None) -> Metrics:
         least_distance_to_90_deg=90.0 - math.degrees(_largest(columns["theta"])),
         max_speed=_largest(columns["v"]),
         max_turn_rate=_largest(columns["omega"]),
+        x0_range=[float(np.min(columns["x0"])), float(np.max(columns["x0"]))],
         max_abs={name: _largest(columns[name]) for name in STATE_NAMES},
         max_abs_after_step2=after,
         final={name: float(columns[name][-1]) for name in STATE_NAMES},

@@ -15,6 +15,7 @@ ROWS = (
     "residual0", "residual1", "residual2", "held0", "held1", "held2",
     "peak1", "peak2", "square1", "square2", "variation1", "variation2",
     "excursion2", "path",
+    "max0", "max1", "max2", "max3", "max4", "low0", "high0", "speed", "turn_rate", "heading",
     # working values
     "chart", "tau1", "tau2", "old0", "old1", "step_before",
     "kept",
@@ -27,7 +28,9 @@ ROWS = (
 ROW = {name: index for index, name in enumerate(ROWS)}
 RESULTS = ROWS[: ROW["chart"]]
 """Rows that a kernel returns: ``end_i`` is when Step i last ended (−1 if not), ``held_i`` the
-largest error since holding began, ``excursion2`` the excursion squared."""
+largest error since holding began, ``excursion2`` the excursion squared, ``max_i`` the largest |x0|,
+|x1|, |x2|, |u0|, |u1|, ``low0`` and ``high0`` the range of x0, ``heading`` the
+largest |θ| outside the chart."""
 
 (
     STEP, WAY, RETURNS, ENDED, ENDED_AT, END0, END1, END2, END3,
@@ -35,6 +38,7 @@ largest error since holding began, ``excursion2`` the excursion squared."""
     RESIDUAL0, RESIDUAL1, RESIDUAL2, HELD0, HELD1, HELD2,
     PEAK1, PEAK2, SQUARE1, SQUARE2, VARIATION1, VARIATION2,
     EXCURSION2, PATH,
+    MAX0, MAX1, MAX2, MAX3, MAX4, LOW0, HIGH0, SPEED, TURN_RATE, HEADING,
     CHART, TAU1, TAU2, OLD0, OLD1, STEP_BEFORE,
     KEPT,
     GAMMA1, GAMMA2, PHI1, PHI2,

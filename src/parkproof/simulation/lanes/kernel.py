@@ -27,7 +27,9 @@ from parkproof.simulation.lanes.buffer import (
     ENDED,
     ENDED_AT,
     GAMMA1,
+    HIGH0,
     KEPT,
+    LOW0,
     OLD0,
     OLD1,
     ROWS,
@@ -170,6 +172,7 @@ def kernel_of(law_name: str, *, implicit: bool) -> Callable[..., Any]:
                 b[END0 + i, j] = -1.0
             b[CHART, j] = in_chart[j]
             b[ENDED_AT, j] = -1.0
+            b[LOW0, j] = b[HIGH0, j] = b[S0, j]
         begin(b, p)
         fill_signals(b, mean, tones, 0.0, GAMMA1)
         for k in range(clock.samples + 1):

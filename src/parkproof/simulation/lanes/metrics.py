@@ -15,11 +15,19 @@ from parkproof.simulation.lanes.buffer import (
     ENDED,
     ENDED_AT,
     EXCURSION2,
+    HEADING,
     HELD0,
     HELD1,
     HELD2,
+    HIGH0,
     INPUT_LIMIT,
     LEFT_CHART,
+    LOW0,
+    MAX0,
+    MAX1,
+    MAX2,
+    MAX3,
+    MAX4,
     OLD0,
     OLD1,
     OUT_OF_VIEW,
@@ -34,6 +42,7 @@ from parkproof.simulation.lanes.buffer import (
     S2,
     S3,
     S4,
+    SPEED,
     SPEED_LIMIT,
     SQUARE1,
     SQUARE2,
@@ -41,6 +50,7 @@ from parkproof.simulation.lanes.buffer import (
     STEP_BEFORE,
     TAU1,
     TAU2,
+    TURN_RATE,
     VARIATION1,
     VARIATION2,
 )
@@ -116,9 +126,20 @@ def measure(b, t, first, residual_from, limits):
         b[VARIATION1, j] += abs(tau1 - b[OLD0, j]) if counted else 0.0
         b[VARIATION2, j] += abs(tau2 - b[OLD1, j]) if counted else 0.0
         b[EXCURSION2, j] = max(b[EXCURSION2, j], x * x + y * y) if live else b[EXCURSION2, j]
+        charted, turning = live and in_chart, live and not in_chart
+        b[HEADING, j] = max(b[HEADING, j], abs(b[S2, j])) if turning else b[HEADING, j]
+        b[MAX0, j] = max(b[MAX0, j], e0) if live else b[MAX0, j]
+        b[MAX1, j] = max(b[MAX1, j], e1) if live else b[MAX1, j]
+        b[MAX2, j] = max(b[MAX2, j], e2) if charted else b[MAX2, j]
+        b[MAX3, j] = max(b[MAX3, j], abs(b[S3, j])) if charted else b[MAX3, j]
+        b[MAX4, j] = max(b[MAX4, j], abs(b[S4, j])) if charted else b[MAX4, j]
+        b[LOW0, j] = min(b[LOW0, j], x) if live else b[LOW0, j]
+        b[HIGH0, j] = max(b[HIGH0, j], x) if live else b[HIGH0, j]
         square = 1.0 + x2 * x2
-        fast = abs(b[S3, j]) * math.sqrt(square) > limits.speed
-        fast = fast or abs(b[S4, j]) / square > limits.turn_rate
+        speed, turn_rate = abs(b[S3, j]) * math.sqrt(square), abs(b[S4, j]) / square
+        b[SPEED, j] = max(b[SPEED, j], speed) if live else b[SPEED, j]
+        b[TURN_RATE, j] = max(b[TURN_RATE, j], turn_rate) if live else b[TURN_RATE, j]
+        fast = speed > limits.speed or turn_rate > limits.turn_rate
         strong = abs(tau1) > limits.tau1 or abs(tau2) > limits.tau2
         code = INPUT_LIMIT if strong else (SPEED_LIMIT if fast else 0.0)
         ends = live and code > 0.0
