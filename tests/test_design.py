@@ -15,7 +15,7 @@ from parkproof.errors import InputError
 from parkproof.laws.gains import Gains
 from parkproof.proof.candidates import HomogeneousEngine, Knobs, PaperEngine
 from parkproof.proof.checker.certificate import why_not
-from parkproof.proof.design import design, engines, over_limits
+from parkproof.proof.design import design, engines
 from parkproof.proof.find_links import approach_link, two_chain_link
 from parkproof.proof.scaling import ThreeChainForm, TwoChainForm
 from parkproof.scenario_file import template

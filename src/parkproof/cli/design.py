@@ -72,7 +72,7 @@ def design(
     from parkproof.validate import positive
 
     require("flint", "scipy", "clarabel", extra="proof", purpose="parkproof design")
-    from parkproof.proof.design import check_feasible
+    from parkproof.proof.limits import check_feasible
 
     wanted = read_spec(spec, overrides=settings or ())
     check_feasible(wanted)

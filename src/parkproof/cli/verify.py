@@ -36,7 +36,7 @@ def verify(certificate: Path, /) -> int:
 
     require("flint", extra="proof", purpose="parkproof verify")
     from parkproof.proof.checker.certificate import NotACertificateError, read, why_not
-    from parkproof.proof.checker.statement import statement_of
+    from parkproof.proof.checker.statement import measured_sentence, statement_of
 
     try:
         found = read(certificate.read_text(encoding="utf-8"))
@@ -50,5 +50,7 @@ def verify(certificate: Path, /) -> int:
     for line in statement_of(found):
         console.print(line, soft_wrap=True)
     console.print()
+    if measured := measured_sentence(found):
+        console.print(measured, soft_wrap=True)
     console.print("Proved.")
     return 0

@@ -4,11 +4,12 @@ The bounds are computed from links that were proved in normalised form or found 
 inequality; the candidate that is chosen is certified again as a whole.
 """
 
+import dataclasses
 import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from msgspec.structs import replace
 
@@ -29,6 +30,9 @@ RUN_UP_TIME = 0.15
 
 SHARE = 0.9
 """The approach begins at this share of the run-up speed."""
+
+ALL_HEADINGS = 30.0
+"""Heading in degrees beyond which a robot turns first, where starts are poses."""
 
 MARGIN = 0.98
 """Share of a limit that candidates may use; certifying costs a little."""
@@ -94,6 +98,34 @@ class Candidate:
     across: float
     x0: tuple[float, float]
     x1_at_rest: float
+
+    def with_claim(self, claim: dict[str, Any]) -> "Candidate":
+        """The same gains with the bounds that a certificate claims.
+
+        Parameters
+        ----------
+        claim : dict
+            Its section "claim".
+
+        Returns
+        -------
+        Candidate
+            With these bounds.
+        """
+        low, high = claim["x0_range"]
+        tau1, tau2 = claim["max_tau"]
+        return dataclasses.replace(
+            self,
+            time=claim["total_time"],
+            travel=claim["max_abs_state"][0],
+            heading=claim["max_abs_state"][2],
+            tau=(tau1, tau2),
+            speed=claim["max_speed"],
+            turn_rate=claim["max_turn_rate"],
+            across=claim["max_abs_state"][1],
+            x0=(low, high),
+            x1_at_rest=claim["x1_at_rest"],
+        )
 
     def excesses(self, spec: Spec) -> dict[str, tuple[float, float]]:
         """Each limit of the specification with what this candidate needs of it.
@@ -190,7 +222,10 @@ class _Common:
             return_steering=False,
         )
         tolerance = spec.design.tolerance
+        # where the start may face anywhere, a robot that is aslant turns first
+        limit = ALL_HEADINGS if "theta" in ranges else Switching().chart_limit
         switching = Switching(
+            chart_limit=limit,
             tolerance=(float(f"{(1.0 - SHARE) * gains.runup_speed:.5g}"), tolerance, tolerance),
             hysteresis=float(f"{spec.design.x1_at_rest / tolerance:.6g}"),
             turn_tolerance=tolerance,

@@ -17,8 +17,9 @@ from parkproof.proof.candidates import (
     PaperEngine,
 )
 from parkproof.proof.find_links import approach_link, two_chain_link
+from parkproof.proof.limits import check_feasible, nearest, over_limits
 from parkproof.proof.scaling import ThreeChainForm, TwoChainForm
-from parkproof.proof.whole_run import certify
+from parkproof.proof.whole_run import Certified, certify
 from parkproof.spec import Spec
 
 TWO_CHAIN = ("7/9", (1.5, 6.5))
@@ -31,6 +32,9 @@ FORMS = (
 )
 """q1 and l of the normalised forms of Step 2 that are tried: one of little input, one for an
 uncertain b2, and the paper's."""
+
+ATTEMPTS, APART = 3, 0.005
+"""How many candidates are certified at most, and by how much their times differ, as logarithms."""
 
 LOWEST, HIGHEST = Knobs(0.05, 0.1, 0.2, 0.15), Knobs(3.0, 6.0, 6.0, 4.0)
 """Where the search looks; the homogeneous law's τ2 has its own range."""
@@ -68,58 +72,6 @@ class Design:
     reason: str = ""
     looked_at: list[Candidate] = field(default_factory=list)
     interrupted: bool = False
-
-
-def check_feasible(spec: Spec) -> None:
-    """Refuse what no gains can do.
-
-    Parameters
-    ----------
-    spec : Spec
-        What is wanted.
-
-    Raises
-    ------
-    InputError
-        If an input does not dominate its disturbance, or a start lies outside the view or moves
-        faster than allowed.
-
-    Examples
-    --------
-    >>> from parkproof.bounds import Limits
-    >>> from parkproof.spec import UncertainBounds
-    >>> known = UncertainBounds(gamma=(0.5, 1.0), disturbance=3.0)
-    >>> check_feasible(Spec(bounds=known, limits=Limits(tau=(5.0, 5.0))))
-    Traceback (most recent call last):
-    ...
-    parkproof.errors.InputError: limits.tau[0] = 5: ... above 6
-    """
-    limits, bounds, ranges = spec.limits, spec.bounds, spec.starts.ranges
-    if limits.tau is not None:
-        for i, tau in enumerate(limits.tau):
-            needed = bounds.disturbance_of(i) / bounds.gamma_of(i)[0]
-            if needed >= tau:
-                raise InputError(
-                    f"limits.tau[{i}] = {tau:g}: the weakest motor gain times it does not exceed "
-                    f"the disturbance {bounds.disturbance_of(i):g}; write one above {needed:g}"
-                )
-    x, y = (ranges.get(a) or ranges[b] for a, b in (("x", "x0"), ("y", "x1")))
-    if limits.view is not None:
-        low, high, below, above = limits.view
-        if x[0] < low or x[1] > high or y[0] < below or y[1] > above:
-            raise InputError(
-                f"limits.view = {list(limits.view)}: starts reach from ({x[0]:g}, {y[0]:g}) to "
-                f"({x[1]:g}, {y[1]:g}); widen the view or narrow [starts]"
-            )
-    forward = max(abs(end) for end in ranges.get("u0") or ranges["v"])
-    turning = max(abs(end) for end in ranges.get("u1") or ranges["omega"])
-    for name, start in (("speed", forward), ("turn_rate", turning)):
-        limit = getattr(limits, name)
-        if limit is not None and start >= limit:
-            raise InputError(
-                f"limits.{name} = {limit:g}: starts already reach {start:g}; raise it, or narrow "
-                "[starts]"
-            )
 
 
 def engines(spec: Spec, progress: Callable[[str], None]) -> Iterator[Engine]:
@@ -321,77 +273,39 @@ def design(
     if found.chosen is None:
         found.reason = "no gains were found for which whole runs are proved to park"
         return found
-    if over := over_limits(found.chosen, spec):
-        found.reason = _nearest(found, over)
+    if over_limits(found.chosen, spec):
+        found.reason = nearest(spec, found.looked_at, found.chosen)
         return found
     progress("certifying the best candidate", 0.0)
     return _certified(found, lambda text: progress(f"certifying: {text}", 0.0))
 
 
-def over_limits(candidate: Candidate, spec: Spec) -> list[str]:
-    """Names of the limits that a candidate's bounds exceed.
-
-    Parameters
-    ----------
-    candidate : Candidate
-        Gains with bounds.
-    spec : Spec
-        Limits.
-
-    Returns
-    -------
-    list of str
-        As in the specification, such as "limits.tau[0]".
-    """
-    pairs = candidate.excesses(spec)
-    return [name for name, (needed, allowed) in pairs.items() if needed > allowed]
-
-
-def _nearest(found: Design, over: list[str]) -> str:
-    """Why the limits cannot be kept: which one binds, and the nearest value with which they can."""
-    nearest: dict[str, tuple[float, Candidate]] = {}
-    for candidate in found.looked_at:
-        names = over_limits(candidate, found.spec)
-        groups = {name.partition("[")[0] for name in names}
-        if len(groups) == 1:
-            pairs = candidate.excesses(found.spec)
-            excess = max(pairs[name][0] / abs(pairs[name][1] or 1e-9) for name in names)
-            group = groups.pop()
-            if group not in nearest or excess < nearest[group][0]:
-                nearest[group] = (excess, candidate)
-    if not nearest:
-        return (
-            f"no gains were found that keep all limits; the best exceed {' and '.join(over)}: "
-            "relax them together"
-        )
-    texts = []
-    for group, (_, candidate) in sorted(nearest.items(), key=lambda item: item[1][0]):
-        pairs = candidate.excesses(found.spec)
-        needs = " and ".join(
-            _need(name, *pairs[name]) for name in over_limits(candidate, found.spec)
-        )
-        texts.append(f"{group} binds, all else as it is: {needs}")
-    return "no gains were found that keep all limits; " + "; or ".join(texts)
-
-
-def _need(name: str, needed: float, allowed: float) -> str:
-    """What would do in the place of a limit; the low ends of a view are negative."""
-    sign = -1.0 if name in ("limits.view[0]", "limits.view[2]") else 1.0
-    return f"{name} = {sign * needed:.4g} would do, {sign * allowed:g} does not"
-
-
 def _certified(found: Design, progress: Callable[[str], None]) -> Design:
-    """The design with the certificate of its choice."""
-    chosen, spec = found.chosen, found.spec
-    if chosen is None:
-        return found
-    result = certify(
-        law="homogeneous" if chosen.law == "homogeneous" else "corrected",
-        bounds=spec.bounds,
-        b2=spec.bounds.b2,
-        gains=chosen.gains,
-        switching=chosen.switching,
-        starts=spec.starts.ranges,
-        progress=progress,
-    )
-    return replace(found, certificate=result.certificate, reason=result.reason)
+    """The design with the certificate of its best candidate that keeps the limits by its claim.
+
+    Weights are sought anew for the rounded gains, so a claim may miss a limit that the candidate
+    just kept; then the next best that differs is tried.
+    """
+    spec = found.spec
+    kept = [c for c in found.looked_at if not over_limits(c, spec)]
+    result, tried = Certified(None, "no candidate keeps the limits"), list[float]()
+    for candidate in sorted(kept, key=lambda c: c.price(spec)):
+        if any(abs(math.log(candidate.time / other)) < APART for other in tried):
+            continue
+        result = certify(
+            law="homogeneous" if candidate.law == "homogeneous" else "corrected",
+            bounds=spec.bounds,
+            b2=spec.bounds.b2,
+            gains=candidate.gains,
+            switching=candidate.switching,
+            starts=spec.starts.ranges,
+            progress=progress,
+        )
+        tried.append(candidate.time)
+        if result.certificate is not None:
+            claimed = candidate.with_claim(result.certificate["claim"])
+            if not over_limits(claimed, spec):
+                return replace(found, chosen=claimed, certificate=result.certificate)
+        if len(tried) == ATTEMPTS:
+            break
+    return replace(found, reason=result.reason or "the certified bounds miss a limit by a little")

@@ -5,7 +5,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from parkproof.proof.candidates import Candidate
-from parkproof.proof.design import Design, over_limits
+from parkproof.proof.design import Design
+from parkproof.proof.limits import over_limits
 from parkproof.report.style import AMBER, BLUE, GREEN, INK, MUTED, drawing, new_figure, save
 
 if TYPE_CHECKING:

@@ -49,3 +49,28 @@ def statement_of(certificate: dict[str, Any]) -> list[str]:
         f"heading is within {claim['max_heading']} rad of the goal's.",
         "This speaks of continuous time. What sampling, noise and latency add is not proved.",
     ]
+
+
+def measured_sentence(certificate: dict[str, Any]) -> str:
+    """Say what was measured beside the proof.
+
+    Parameters
+    ----------
+    certificate : dict
+        From `read`.
+
+    Returns
+    -------
+    str
+        A sentence; empty if nothing was measured.
+
+    Examples
+    --------
+    >>> measured_sentence({"measured": {"runs": 256, "parked": 256}})
+    'Measured, not proved: runs 256, parked 256.'
+    """
+    measured = certificate["measured"]
+    if not isinstance(measured, dict) or not measured:
+        return ""
+    facts = ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in measured.items())
+    return f"Measured, not proved: {facts}."
