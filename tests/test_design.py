@@ -17,6 +17,7 @@ from parkproof.proof.candidates import HomogeneousEngine, Knobs, PaperEngine
 from parkproof.proof.checker.certificate import why_not
 from parkproof.proof.design import design, engines
 from parkproof.proof.find_links import approach_link, two_chain_link
+from parkproof.proof.limits import over_limits
 from parkproof.proof.scaling import ThreeChainForm, TwoChainForm
 from parkproof.scenario_file import template
 from parkproof.spec import Aim, Spec, Starts, UncertainBounds, read_spec

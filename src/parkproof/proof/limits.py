@@ -106,10 +106,8 @@ def nearest(spec: Spec, looked_at: Sequence[Candidate], best: Candidate) -> str:
             if group not in found or excess < found[group][0]:
                 found[group] = (excess, candidate)
     if not found:
-        return (
-            f"no gains were found that keep all limits; the best exceed {' and '.join(over_limits(best, spec))}: "
-            "relax them together"
-        )
+        over = " and ".join(over_limits(best, spec))
+        return f"no gains were found that keep all limits; the best exceed {over}: relax them all"
     texts = []
     for group, (_, candidate) in sorted(found.items(), key=lambda item: item[1][0]):
         pairs = candidate.excesses(spec)
