@@ -2,6 +2,8 @@
 
 import math
 import random
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,6 +12,7 @@ from parkproof.bounds import Bounds
 from parkproof.laws.gains import Gains, Switching
 from parkproof.scenario import RunSettings, Scenario, Start
 from parkproof.simulation.ensemble import simulate_ensemble
+from parkproof.simulation.metrics import STATE_NAMES
 from parkproof.simulation.outcome import Outcome
 from parkproof.simulation.stress import stress_truths
 
@@ -141,7 +144,13 @@ def stressed_runs(
 
 
 def measured_of(
-    certificate: dict[str, Any], *, control_period: float, count: int = 256, threads: int = 2
+    certificate: dict[str, Any],
+    *,
+    control_period: float,
+    noise: float = 0.0,
+    latency: float = 0.0,
+    count: int = 256,
+    threads: int = 2,
 ) -> dict[str, Any]:
     """Measure the residual band, for a certificate's section "measured".
 
@@ -151,6 +160,10 @@ def measured_of(
         The certificate.
     control_period : float
         In s.
+    noise : float
+        Standard deviation of the measured states.
+    latency : float
+        Delay of the measurements in s.
     count : int
         Runs.
     threads : int
@@ -166,6 +179,8 @@ def measured_of(
     parked = rows["outcome"] == Outcome.PARKED
     return {
         "control_period": control_period,
+        "noise": noise,
+        "latency": latency,
         "form": "implicit",
         "runs": count,
         "parked": int(parked.sum()),
@@ -173,6 +188,108 @@ def measured_of(
         "residual": _worst(rows["residual"]),
         "peak_tau": [_worst(rows["peak_tau1"]), _worst(rows["peak_tau2"])],
     }
+
+
+@dataclass(frozen=True)
+class Compared:
+    """A proven number beside the worst of the runs.
+
+    Attributes
+    ----------
+    name : str
+        Its name in the claim, with the state or the channel.
+    proven : float
+        The claim.
+    worst : float
+        The largest of the runs; infinite for a time if a run did not park.
+
+    Examples
+    --------
+    >>> Compared("max_speed", 2.0, 1.5).ratio
+    0.75
+    """
+
+    name: str
+    proven: float
+    worst: float
+
+    @property
+    def within(self) -> bool:
+        """Whether no run exceeded what is proven."""
+        return self.worst <= self.proven
+
+    @property
+    def ratio(self) -> float:
+        """Worst over proven; NaN where 0 is proven."""
+        return self.worst / self.proven if self.proven > 0.0 else math.nan
+
+
+def compare(certificate: dict[str, Any], rows: Mapping[str, Any]) -> list[Compared]:
+    """Compare every number of a claim with the worst of an ensemble of runs.
+
+    Parameters
+    ----------
+    certificate : dict
+        The certificate.
+    rows : mapping
+        From `simulate_ensemble` of `stressed_runs`.
+
+    Returns
+    -------
+    list of Compared
+        In the order of the claim. The range of x0 is compared downwards and upwards.
+
+    Examples
+    --------
+    See ``benchmarks/stress.py``.
+    """
+    claim = certificate["claim"]
+    low, high = claim["x0_range"]
+    parked = all(outcome is Outcome.PARKED for outcome in rows["outcome"])
+    taus, states = claim["max_tau"], claim["max_abs_state"]
+    measured = (
+        ("total_time", claim["total_time"], rows["total"] if parked else math.inf),
+        *((f"max_tau {i}", taus[i - 1], rows[f"peak_tau{i}"]) for i in (1, 2)),
+        *(
+            (f"max_abs_state {name}", bound, rows[f"max_{name}"])
+            for name, bound in zip(STATE_NAMES, states, strict=True)
+        ),
+        *((name, claim[name], rows[name]) for name in ("max_speed", "max_turn_rate")),
+        ("max_heading", claim["max_heading"], rows["max_heading"]),
+        ("x0_range -", -low, -rows["least_x0"]),
+        ("x0_range +", high, rows["largest_x0"]),
+        ("x1_at_rest", claim["x1_at_rest"], np.abs(rows["x1"])),
+    )
+    return [Compared(name, proven, float(np.max(values))) for name, proven, values in measured]
+
+
+def sampling_bands(certificate: dict[str, Any], control_period: float) -> tuple[float, float]:
+    """How far sampling lets u0 and u1 stray from where the law in continuous time holds them.
+
+    Parameters
+    ----------
+    certificate : dict
+        The certificate.
+    control_period : float
+        In s.
+
+    Returns
+    -------
+    two floats
+        What a disturbance, unopposed for a period, does under the largest gain.
+
+    Examples
+    --------
+    >>> given = {"alpha": [[1, 1], [1, 1]], "gamma": [[1, 2], [1, 1]], "disturbance": [2.5, 0]}
+    >>> sampling_bands({"assumptions": given}, 0.001)
+    (0.005, 0.0)
+    """
+    known = bounds_of(certificate)
+    one, two = (
+        control_period * known.gamma_of(i)[1] / known.gamma_of(i)[0] * known.disturbance_of(i)
+        for i in range(2)
+    )
+    return one, two
 
 
 def _worst(values: "np.ndarray[Any, np.dtype[np.float64]]") -> float | None:
