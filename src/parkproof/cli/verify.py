@@ -41,7 +41,12 @@ def verify(certificate: Path, /) -> int:
     try:
         found = read(certificate.read_text(encoding="utf-8"))
         reason = why_not(found)
-    except (NotACertificateError, OSError, UnicodeDecodeError) as error:
+    except OSError as error:
+        raise InputError(
+            f"{certificate}: cannot be read ({error.strerror}); name a file that parkproof certify "
+            "or parkproof design wrote"
+        ) from error
+    except (NotACertificateError, UnicodeDecodeError) as error:
         raise InputError(f"{certificate}: {error}") from error
     console = stdout_console()
     if reason:

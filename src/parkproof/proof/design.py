@@ -36,6 +36,9 @@ uncertain b2, and the paper's."""
 ATTEMPTS, APART = 3, 0.005
 """How many candidates are certified at most, and by how much their times differ, as logarithms."""
 
+RELAXED = 6.0
+"""By how much the limit of the input is exceeded in search of one that would do."""
+
 LOWEST, HIGHEST = Knobs(0.05, 0.1, 0.2, 0.15), Knobs(3.0, 6.0, 6.0, 4.0)
 """Where the search looks; the homogeneous law's τ2 has its own range."""
 
@@ -119,23 +122,25 @@ def engines(spec: Spec, progress: Callable[[str], None]) -> Iterator[Engine]:
             yield PaperEngine(spec, hold, back, ThreeChainForm(q1, gains_l, link))
 
 
-def _range_of(engine: Engine, spec: Spec) -> list[tuple[float, float]]:
+def _range_of(engine: Engine, spec: Spec, relaxed: float) -> list[tuple[float, float]]:
     """Logarithms of the least and largest cruise, approach and hold."""
     lows, highs = list(LOWEST[:3]), list(HIGHEST[:3])
     if isinstance(engine, HomogeneousEngine):
         weakest = spec.bounds.disturbance_of(1) / spec.bounds.gamma_of(1)[0]
         limit = spec.limits.tau[1] if spec.limits.tau else 20.0 * (1.0 + weakest)
-        lows[1], highs[1] = 1.05 * weakest + 1e-2 * limit, limit
+        lows[1], highs[1] = 1.05 * weakest + 1e-2 * limit, relaxed * limit
     return [(math.log(low), math.log(high)) for low, high in zip(lows, highs, strict=True)]
 
 
 class _Search:
     """Candidates of one engine: a sweep, then a descent from the best."""
 
-    def __init__(self, engine: Engine, spec: Spec, looked_at: list[Candidate]) -> None:
+    def __init__(
+        self, engine: Engine, spec: Spec, looked_at: list[Candidate], relaxed: float = 1.0
+    ) -> None:
         self._engine, self._spec, self._looked_at = engine, spec, looked_at
         self.best: Candidate | None = None
-        self._ranges = _range_of(engine, spec)
+        self._ranges = _range_of(engine, spec, relaxed)
 
     def price(self, unit: Sequence[float]) -> float:
         """Price at a point of the unit cube, with the best return for it."""
@@ -256,18 +261,14 @@ def design(
     ctx.prec = PRECISION
     check_feasible(spec)
     found = Design(spec)
+    used = []
     try:
         for engine in engines(spec, lambda text: progress(text, 0.0)):
-            name = "homogeneous" if isinstance(engine, HomogeneousEngine) else "paper"
-            search = _Search(engine, spec, found.looked_at)
-            try:
-                search.run(sweep, steps, partial(progress, f"{name} engine"))
-            finally:
-                better = search.best
-                if better is not None and (
-                    found.chosen is None or better.price(spec) < found.chosen.price(spec)
-                ):
-                    found.chosen = better
+            used.append(engine)
+            _look(found, engine, sweep, steps, progress)
+        if found.chosen is None or over_limits(found.chosen, spec):
+            for engine in used:  # beyond the limits, to say what would do
+                _look(found, engine, sweep, steps // 2, progress, relaxed=RELAXED)
     except KeyboardInterrupt:
         found.interrupted = True
     if found.chosen is None:
@@ -278,6 +279,28 @@ def design(
         return found
     progress("certifying the best candidate", 0.0)
     return _certified(found, lambda text: progress(f"certifying: {text}", 0.0))
+
+
+def _look(
+    found: Design,
+    engine: Engine,
+    sweep: int,
+    steps: int,
+    progress: Callable[[str, float], None],
+    *,
+    relaxed: float = 1.0,
+) -> None:
+    """Search the candidates of one engine; what was found stays when the search is interrupted."""
+    name = "homogeneous" if isinstance(engine, HomogeneousEngine) else "paper"
+    search = _Search(engine, found.spec, found.looked_at, relaxed)
+    try:
+        search.run(sweep, steps, partial(progress, f"{name} engine"))
+    finally:
+        better, best = search.best, found.chosen
+        if better is not None and (
+            best is None or better.price(found.spec) < best.price(found.spec)
+        ):
+            found.chosen = better
 
 
 def _certified(found: Design, progress: Callable[[str], None]) -> Design:
