@@ -20,7 +20,7 @@ from parkproof.bounds import Bounds  # noqa: E402
 from parkproof.cli import main  # noqa: E402
 from parkproof.laws.gains import Gains, Switching  # noqa: E402
 from parkproof.proof import checker  # noqa: E402
-from parkproof.proof.checker.balls import exact  # noqa: E402
+from parkproof.proof.checker.balls import exact, largest, point_power  # noqa: E402
 from parkproof.proof.checker.certificate import (  # noqa: E402
     NotACertificateError,
     digest_of,
@@ -184,6 +184,15 @@ def test_sizes_hold_at_random_states_and_are_not_proved_when_too_small():
         assert y * y <= sizes[1] * value
 
 
+def test_what_is_no_number_bounds_nothing():
+    for numbers in ((arb("nan"), arb(3)), (arb(3), arb("nan")), (arb(1), arb("inf"))):
+        with pytest.raises(ValueError, match="not finite"):
+            largest(*numbers)
+    for ball in (arb(0, 1), arb("nan")):
+        with pytest.raises(ValueError, match="holds 0"):
+            point_power(ball, arb("0.5"))
+
+
 def test_a_level_is_nowhere_exceeded_on_its_box():
     chain = ThreeChain("9/11", PAPER.l, WEIGHTS, 1.0)
     box = [(exact(-0.5), exact(0.2)), (exact(-1.0), exact(1.0)), (exact(0.0), exact(2.0))]
@@ -272,7 +281,16 @@ def test_what_does_not_follow_is_not_proved_under_a_correct_digest(certificate, 
 
 @pytest.mark.parametrize(
     ("path", "value"),
-    [("law__l", 21), ("assumptions__alpha", None), ("lyapunov", []), ("claim", 3)],
+    [
+        ("law__l", 21),
+        ("law__lambda1", "-3.0"),
+        ("law__lambda1", True),
+        ("law__tolerance", [0.01, 0.01]),
+        ("assumptions__alpha", None),
+        ("assumptions__starts", {"x0": [0.0, 0.0]}),
+        ("lyapunov", []),
+        ("claim", 3),
+    ],
 )
 def test_a_part_of_the_wrong_kind_makes_it_unreadable(certificate, path, value, tmp_path):
     file = tmp_path / "forged.json"

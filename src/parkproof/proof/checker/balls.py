@@ -56,6 +56,11 @@ def point_power(x: arb, p: arb) -> arb:
     arb
         An enclosure.
 
+    Raises
+    ------
+    ValueError
+        If the sign of the number is not known.
+
     Examples
     --------
     >>> point_power(arb(0), arb(1) / 3) == 0
@@ -63,7 +68,11 @@ def point_power(x: arb, p: arb) -> arb:
     """
     if x > 0:
         return x**p
-    return -((-x) ** p) if x < 0 else arb(0)
+    if x < 0:
+        return -((-x) ** p)
+    if not x.is_zero():
+        raise ValueError("a power of a ball that holds 0 and more")
+    return arb(0)
 
 
 def power(x: arb, p: arb) -> arb:
@@ -126,11 +135,18 @@ def largest(*numbers: arb) -> arb:
     arb
         The largest upper end.
 
+    Raises
+    ------
+    ValueError
+        If a ball is not finite: of what is no number, nothing is an upper bound.
+
     Examples
     --------
     >>> largest(arb(1), arb(3), arb(2)) == 3
     True
     """
+    if not all(number.is_finite() for number in numbers):
+        raise ValueError("a ball that is not finite")
     top = numbers[0].upper()
     for number in numbers[1:]:
         if not number.upper() <= top:

@@ -26,6 +26,25 @@ SCHEMA = "parkproof-certificate-1"
 PRECISION = 64
 """Bits of the ball arithmetic."""
 
+LAW = {
+    "lambda1": 1,
+    "k": 2,
+    "hold": 2,
+    "runup_speed": 1,
+    "tolerance": 3,
+    "hysteresis": 1,
+    "turn_tolerance": 1,
+    "chart_limit": 1,
+}
+CORRECTED, HOMOGENEOUS = {"l": 3}, {"ellipsoid": 6, "feedback": 3}
+CHAIN_OF_TWO = {"k2": 1, "rate": 1, "sizes": 3}
+CHAIN_OF_THREE = {"k": 2, "s": 2, "rate": 1, "sizes": 4}
+MATRIX = {"rate": 1, "rho": 2}
+GIVEN = {"alpha": 4, "gamma": 4, "disturbance": 2, "b2": 2, "starts": 10}
+"""How many numbers stand where; a text in the place of a number counts as none."""
+
+STARTS = ({"x0", "x1", "x2", "u0", "u1"}, {"x", "y", "theta", "v", "omega"})
+
 CLAIMS = {
     "total_time": 0,
     "max_tau": 2,
@@ -171,6 +190,10 @@ def _numbers(value: Any) -> list[float]:
     return [number for part in inner for number in _numbers(part)]
 
 
+def _miscounted(section: dict[str, Any], counts: dict[str, int]) -> list[str]:
+    return [name for name, count in counts.items() if len(_numbers(section[name])) != count]
+
+
 def _crossed(pairs: list[Any]) -> bool:
     return any(len(pair) != 2 or not pair[0] <= pair[1] for pair in pairs)
 
@@ -179,8 +202,20 @@ def _flaws(certificate: dict[str, Any]) -> Iterator[str]:
     """Why a certificate's numbers make no sense."""
     law, lyapunov = certificate["law"], certificate["lyapunov"]
     claim, given = certificate["claim"], certificate["assumptions"]
+    if law["name"] not in ("corrected", "homogeneous") or law["return_steering"] is not False:
+        yield "the theorem is about the laws corrected and homogeneous without return_steering"
     if not all(map(math.isfinite, _numbers([law, lyapunov, claim, given]))):
         yield "a number is not finite"
+    corrected = law["name"] == "corrected"
+    miscounted = [
+        *_miscounted(law, LAW | (CORRECTED if corrected else HOMOGENEOUS)),
+        *_miscounted(lyapunov["approach"], CHAIN_OF_THREE if corrected else MATRIX),
+        *_miscounted(lyapunov["hold"], CHAIN_OF_TWO),
+        *_miscounted(lyapunov["return"], CHAIN_OF_TWO),
+        *_miscounted(given, GIVEN),
+    ]
+    if miscounted or set(given["starts"]) not in STARTS:
+        raise NotACertificateError(f"{', '.join(miscounted) or 'starts'}: not the numbers it needs")
     if set(claim) != set(CLAIMS) or any(
         len(_numbers(claim[name])) != max(count, 1) for name, count in CLAIMS.items()
     ):
@@ -188,7 +223,7 @@ def _flaws(certificate: dict[str, Any]) -> Iterator[str]:
     if _crossed([*given["alpha"], *given["gamma"], given["b2"], *given["starts"].values()]):
         yield "a range of the assumptions is crossed"
     gains = ["k", "hold", "tolerance", "lambda1", "runup_speed", "turn_tolerance", "chart_limit"]
-    gains += ["l"] if law["name"] == "corrected" else []
+    gains += ["l"] if corrected else []
     # ρ is 0 without disturbance, and squares may be left out of V
     links = [{**link, "rho": [], "s": []} for link in lyapunov.values()]
     free = _numbers([[link.get("rho", []), link.get("s", [])] for link in lyapunov.values()])
@@ -201,8 +236,6 @@ def _flaws(certificate: dict[str, Any]) -> Iterator[str]:
     lowest = {"q0": Fraction(0), "q1": Fraction(2, 3), "q2": Fraction(1, 2)}
     if any(not low < Fraction(law[name]) < 1 for name, low in lowest.items()):
         yield "an exponent lies outside its interval"
-    if law["name"] not in ("corrected", "homogeneous") or law["return_steering"] is not False:
-        yield "the theorem is about the laws corrected and homogeneous without return_steering"
     if law["direction"] not in ("forward", "backward", "toward", "auto"):
         yield "there is no such direction of travel"
     if certificate["sampled"]:
@@ -275,6 +308,8 @@ def why_not(certificate: dict[str, Any]) -> str:
         starts = certificate["assumptions"]["starts"]
         peaks, b1 = run_bounds(starts, law, known, links)
         return _false_claim(certificate["claim"], peaks) or _unproved_link(links, known, b1)
+    except NotACertificateError:
+        raise
     except GapError as error:
         return str(error)
     except (KeyError, TypeError, AttributeError, IndexError, ZeroDivisionError) as error:

@@ -25,6 +25,9 @@ from parkproof.proof.checker.parts import (
     product,
 )
 
+ROUNDING = exact("1/1000000000000")
+"""By how much, relatively, a comparison in floats may be off."""
+
 
 def boxes(
     starts: dict[str, Any], law: Law, known: Uncertainty, hold: PowerIntegrator, peaks: Peaks
@@ -58,7 +61,8 @@ def boxes(
         yield Box(box["x0"], x1, box["x2"], box["u0"], box["u1"], arb(0))
         return
     x, y, theta, v, omega = (ends_of(starts[name]) for name in ("x", "y", "theta", "v", "omega"))
-    limit = law.chart_limit
+    # the law compares in floats: at the limit itself, take both ways
+    limit, below = law.chart_limit * (1 + ROUNDING), law.chart_limit * (1 - ROUNDING)
     if not largest_size(theta) <= exact("3.1416"):
         raise GapError("headings must lie within one turn, from -3.1416 to 3.1416")
     inner = (theta[0] if theta[0] > -limit else -limit, theta[1] if theta[1] < limit else limit)
@@ -68,7 +72,7 @@ def boxes(
         square = (arb(1), (1 / cosine[0] ** 2).upper())
         x2 = (inner[0].tan().lower(), inner[1].tan().upper())
         yield Box(x, largest_size(y), x2, product(v, cosine), product(omega, square), arb(0))
-    if not largest_size(theta) < limit:
+    if not largest_size(theta) < below:
         yield _turn(x, y, theta, v, omega, law, known, hold, peaks)
 
 
