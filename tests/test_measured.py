@@ -111,6 +111,16 @@ def test_sampling_lets_inputs_stray_in_proportion_to_the_period(certificate):
     assert sampling_bands(certificate, 4e-3) == pytest.approx((2e-3, 2e-3))
 
 
+def test_noise_and_latency_reach_the_runs_and_widen_the_band(certificate):
+    exact, poor = (
+        measured_of(certificate, control_period=COARSE, count=64, noise=noise, latency=latency)
+        for noise, latency in ((0.0, 0.0), (0.01, 0.013))
+    )
+    assert poor["noise"] == 0.01
+    assert poor["latency"] == 3 * COARSE, "as it was carried out, in whole periods"
+    assert poor["residual"] > exact["residual"]
+
+
 def test_what_is_measured_says_how(certificate):
     found = measured_of(certificate, control_period=COARSE, count=16)
     assert found["parked"] == found["runs"] == 16

@@ -88,6 +88,11 @@ def notes_of(scenario: Scenario) -> list[str]:
             f"period of {1e3 * run.control_period:g} ms holds {name} under the largest gain and "
             f"disturbance: {consequence}."
         )
+    if run.delay_samples:
+        notes.append(
+            f"Measurements come {1e3 * run.delay:.4g} ms late, in whole control periods; until "
+            "then the law is given that of the start."
+        )
     for name in ("to_step2", "to_step3"):
         moment = getattr(switching, name)
         if scenario.law != "published" and not isinstance(moment, str) and moment < run.duration:
@@ -141,6 +146,9 @@ def _outside_guarantee(scenario: Scenario) -> str | None:
         return "truth.outside_bounds = true lets the truth leave what the controller knows"
     if scenario.limits.saturate:
         return "limits.saturate = true clips the inputs that the law asks for"
+    run = scenario.run
+    if any(run.deviations) or run.delay_samples:
+        return "run.noise or run.latency spoil what the law is told"
     if scenario.robot.kind == "torque" and (
         scenario.camera is not None
         or scenario.bounds.gamma_of(0) != (1.0, 1.0)
@@ -201,6 +209,8 @@ def summary_of(run: "Run") -> dict[str, Any]:
         "robot": scenario.robot.kind,
         "discretisation": scenario.run.discretisation,
         "control_period": scenario.run.control_period,
+        "noise": scenario.run.noise,
+        "latency": scenario.run.delay,
         "plant_step": scenario.run.control_period / plant_steps(scenario),
         "version": __version__,
         "seed": [signal.seed for signal in signals if isinstance(signal, Noise)],

@@ -4,7 +4,7 @@ A scenario file is this module's structures written as TOML (`parkproof.scenario
 """
 
 import math
-from typing import Literal
+from typing import Literal, cast
 
 import msgspec
 from msgspec.structs import force_setattr
@@ -18,7 +18,7 @@ from parkproof.model.chained import ChainedState, body_inputs
 from parkproof.model.overhead import Overhead, OverheadView
 from parkproof.model.truth import Truth
 from parkproof.model.unicycle import wrap_angle
-from parkproof.validate import finite, positive
+from parkproof.validate import finite, not_negative, positive
 
 DIVERGED_AT = 1e6
 """No state may start beyond this, and a run ends as diverged when one exceeds it."""
@@ -127,16 +127,26 @@ class RunSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         use every sample.
     plant_step : float, optional
         Largest integration step of the plant in s; default 1 ms, and 0.2 ms with square waves.
+    noise : float or five floats
+        Standard deviation of the noise of each measurement: of x0, x1, x2, u0, u1, or, while a
+        robot turns and for robots of kind "torque" and "velocity", of x, y, θ, v, ω.
+    latency : float
+        How late measurements arrive, in s, rounded to whole control periods but never to none.
+    seed : int
+        The same seed gives the same noise.
 
     Raises
     ------
     InputError
-        If a time is not positive, or the run has less than one or more than 20 million samples.
+        If a time is not positive, the run has less than one or more than 20 million samples, noise,
+        latency or seed are negative, or the latency exceeds the duration.
 
     Examples
     --------
     >>> RunSettings(duration=35.0, control_period=1e-3).samples
     35000
+    >>> RunSettings(latency=0.0301, control_period=0.01).delay_samples
+    3
     """
 
     duration: float = 35.0
@@ -144,6 +154,9 @@ class RunSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     discretisation: Discretisation = "explicit"
     record_period: float | None = None
     plant_step: float | None = None
+    noise: float | tuple[float, float, float, float, float] = 0.0
+    latency: float = 0.0
+    seed: int = 0
 
     def __post_init__(self) -> None:
         duration = positive("duration", self.duration, example=35.0)
@@ -170,6 +183,40 @@ class RunSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
                     f"duration / plant_step = {duration / step:.3g} integration steps: at most "
                     f"{10 * MAX_SAMPLES:,}; write a longer plant_step"
                 )
+
+        self._check_measurements(duration)
+
+    def _check_measurements(self, duration: float) -> None:
+        given = self.noise if isinstance(self.noise, tuple | list) else (self.noise,) * 5
+        noise = tuple(not_negative("noise", value) for value in given)
+        if (largest := max(noise)) >= DIVERGED_AT:
+            raise InputError(
+                f"noise = {largest:g}: must be below {DIVERGED_AT:g}; write for example 0.001"
+            )
+        force_setattr(self, "noise", noise)
+        force_setattr(self, "latency", not_negative("latency", self.latency))
+        if self.latency > duration:
+            raise InputError(
+                f"latency = {self.latency:g}: longer than duration = {duration:g}; "
+                "write a shorter latency, for example 0.03"
+            )
+        not_negative("seed", self.seed)
+
+    @property
+    def deviations(self) -> tuple[float, float, float, float, float]:
+        """Standard deviations of the noise."""
+        return cast(tuple[float, float, float, float, float], self.noise)  # normalised above
+
+    @property
+    def delay_samples(self) -> int:
+        """Latency in control periods."""
+        periods = round(self.latency / self.control_period)
+        return max(1, periods) if self.latency > 0.0 else 0
+
+    @property
+    def delay(self) -> float:
+        """Latency as it is carried out, in s."""
+        return round(self.delay_samples * self.control_period, 12)
 
     @property
     def samples(self) -> int:

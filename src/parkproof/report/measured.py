@@ -95,7 +95,14 @@ def start_at(place: dict[str, float]) -> Start:
 
 
 def stressed_runs(
-    certificate: dict[str, Any], *, count: int, seed: int, control_period: float, extra: float = 3.0
+    certificate: dict[str, Any],
+    *,
+    count: int,
+    seed: int,
+    control_period: float,
+    noise: float = 0.0,
+    latency: float = 0.0,
+    extra: float = 3.0,
 ) -> list[Scenario]:
     """Scenarios from random starts of a certificate's box, under truths that strain the law.
 
@@ -109,6 +116,10 @@ def stressed_runs(
         Trial i depends on the seed and i only.
     control_period : float
         In s.
+    noise : float
+        Standard deviation of the measured states.
+    latency : float
+        Delay of the measurements in s.
     extra : float
         How long runs go on after the proven time, in s.
 
@@ -120,7 +131,6 @@ def stressed_runs(
     bounds = bounds_of(certificate)
     gains, switching = gains_of(certificate), switching_of(certificate)
     duration = math.ceil(certificate["claim"]["total_time"] + extra)
-    run = RunSettings(duration=duration, control_period=control_period, discretisation="implicit")
     box = certificate["assumptions"]["starts"]
     scenarios = []
     for i, truth in enumerate(stress_truths(bounds, count=count, seed=seed)):
@@ -129,6 +139,14 @@ def stressed_runs(
         place = {
             name: draw.choice(ends) if corner else draw.uniform(*ends) for name, ends in box.items()
         }
+        run = RunSettings(
+            duration=duration,
+            control_period=control_period,
+            discretisation="implicit",
+            noise=noise,
+            latency=latency,
+            seed=draw.getrandbits(31),
+        )
         scenarios.append(
             Scenario(
                 law=certificate["law"]["name"],
@@ -174,13 +192,20 @@ def measured_of(
     dict
         How it was measured, how many runs parked, and the worst of them.
     """
-    trials = stressed_runs(certificate, count=count, seed=0, control_period=control_period)
+    trials = stressed_runs(
+        certificate,
+        count=count,
+        seed=0,
+        control_period=control_period,
+        noise=noise,
+        latency=latency,
+    )
     rows = simulate_ensemble(trials, threads=threads)
     parked = rows["outcome"] == Outcome.PARKED
     return {
         "control_period": control_period,
         "noise": noise,
-        "latency": latency,
+        "latency": trials[0].run.delay,
         "form": "implicit",
         "runs": count,
         "parked": int(parked.sum()),

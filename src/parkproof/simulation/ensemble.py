@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,8 +13,16 @@ from parkproof.errors import InputError
 from parkproof.laws.parameters import LawParameters, law_parameters
 from parkproof.model.truth import channel
 from parkproof.scenario import Scenario
-from parkproof.simulation.lanes.buffer import BLOCK, LEFT_CHART, RESULTS, Clock, LaneLimits
+from parkproof.simulation.lanes.buffer import (
+    BLOCK,
+    LEFT_CHART,
+    RESULTS,
+    Clock,
+    LaneLimits,
+    Sensing,
+)
 from parkproof.simulation.metrics import RESIDUAL_WINDOW, STATE_NAMES
+from parkproof.simulation.noise import keys_of
 from parkproof.simulation.outcome import Outcome
 from parkproof.simulation.run import HOLD, plant_steps
 
@@ -22,19 +31,21 @@ Floats = NDArray[np.float64]
 
 def _shared(scenario: Scenario) -> tuple[Any, ...]:
     """What all trials of an ensemble must have in common."""
+    run = msgspec.structs.replace(scenario.run, seed=0) if scenario.run.seed else scenario.run
     return (
-        scenario.law, scenario.bounds, scenario.gains, scenario.switching, scenario.run,
+        scenario.law, scenario.bounds, scenario.gains, scenario.switching, run,
         scenario.robot, scenario.limits,
     )  # fmt: skip
 
 
-def _lanes(scenarios: Sequence[Scenario]) -> tuple[Floats, ...]:
-    """Arrays of starts and truths, the last axis padded to whole blocks with the last trial."""
+def _lanes(scenarios: Sequence[Scenario]) -> tuple[NDArray[Any], ...]:
+    """Arrays of starts, truths and keys of noise, padded to whole blocks with the last trial."""
     channels = [[channel(i, s.truth, s.bounds) for i in range(2)] for s in scenarios]
     most = max(1, *(len(x) for two in channels for c in two for x in (c.gamma_tones, c.phi_tones)))
     n = -(-len(scenarios) // BLOCK) * BLOCK
     state, in_chart, alpha = np.empty((5, n)), np.empty(n), np.empty((2, n))
     mean, tones, adversary = np.empty((4, n)), np.zeros((4, most, 4, n)), np.empty((2, n))
+    keys = np.empty((2, n), dtype=np.int64)
     for j in range(n):
         k = min(j, len(scenarios) - 1)
         scenario, (one, two) = scenarios[k], channels[k]
@@ -42,13 +53,14 @@ def _lanes(scenarios: Sequence[Scenario]) -> tuple[Floats, ...]:
         state[:, j] = chained or (*scenario.start_pose, *scenario.start_velocity)
         in_chart[j] = 1.0 if chained else 0.0
         alpha[:, j] = scenario.truth.alpha
+        keys[:, j] = keys_of(scenario.run.seed)
         mean[:, j] = one.gamma_mean, two.gamma_mean, one.phi_mean, two.phi_mean
         adversary[:, j] = one.phi_adversary, two.phi_adversary
         signals = (one.gamma_tones, two.gamma_tones, one.phi_tones, two.phi_tones)
         for i, signal in enumerate(signals):
             for m, tone in enumerate(signal):
                 tones[i, m, :, j] = tone
-    return state, in_chart, alpha, mean, tones, adversary
+    return state, in_chart, alpha, mean, tones, adversary, keys
 
 
 def simulate_ensemble(scenarios: Sequence[Scenario], *, threads: int = 1) -> dict[str, Any]:
@@ -57,7 +69,8 @@ def simulate_ensemble(scenarios: Sequence[Scenario], *, threads: int = 1) -> dic
     Parameters
     ----------
     scenarios : sequence of Scenario
-        Trials of robots of kind "chained". They may differ in start and truth only.
+        Trials of robots of kind "chained". They may differ in start, truth and
+        ``run.seed`` only.
     threads : int
         Number of threads; a trial's result does not depend on it.
 
@@ -75,7 +88,7 @@ def simulate_ensemble(scenarios: Sequence[Scenario], *, threads: int = 1) -> dic
     Raises
     ------
     InputError
-        If there are no trials, or they differ in more than start and truth.
+        If there are no trials, or they differ in more than that.
 
     Examples
     --------
@@ -91,7 +104,7 @@ def simulate_ensemble(scenarios: Sequence[Scenario], *, threads: int = 1) -> dic
     first = scenarios[0]
     if any(_shared(s) != _shared(first) for s in scenarios[1:]):
         raise InputError(
-            "the trials of an ensemble differ in more than start and truth: "
+            "the trials of an ensemble differ in more than start and truth (and run.seed): "
             "run an ensemble for each law, gains, bounds and run settings"
         )
     if any(s.camera is not None for s in scenarios):
@@ -106,8 +119,13 @@ def simulate_ensemble(scenarios: Sequence[Scenario], *, threads: int = 1) -> dic
         )
     from parkproof.simulation.lanes.kernel import kernel_of
 
-    kernel = kernel_of(first.law, implicit=first.run.discretisation == "implicit")
     run, limits = first.run, first.limits
+    sensing = Sensing(run.delay_samples, run.deviations)
+    kernel = kernel_of(
+        first.law,
+        implicit=run.discretisation == "implicit",
+        exact=sensing.delay == 0 and not any(sensing.deviations),
+    )
     p = law_parameters(
         bounds=first.bounds,
         gains=first.gains,
@@ -132,16 +150,14 @@ def simulate_ensemble(scenarios: Sequence[Scenario], *, threads: int = 1) -> dic
         for size in np.unique(steps).tolist():
             alike = np.flatnonzero(steps == size)
             some = [scenarios[i] for i in alike.tolist()]
-            rows = _carry_out(kernel, p, clock._replace(plant_steps=size), lane_limits, some, pool)
-            out[:, alike] = rows
+            shared = (p, clock._replace(plant_steps=size), lane_limits, sensing)
+            out[:, alike] = _carry_out(kernel, shared, some, pool)
     return _results(dict(zip(RESULTS, out, strict=True)), first, clock)
 
 
 def _carry_out(
     kernel: Callable[..., None],
-    p: LawParameters,
-    clock: Clock,
-    limits: LaneLimits,
+    shared: tuple[LawParameters, Clock, LaneLimits, Sensing],
     scenarios: Sequence[Scenario],
     pool: ThreadPoolExecutor,
 ) -> Floats:
@@ -152,7 +168,7 @@ def _carry_out(
         lanes = slice(begin, begin + BLOCK)
         parts = [np.ascontiguousarray(a[..., lanes]) for a in arrays]
         rows = np.empty((len(RESULTS), BLOCK))
-        kernel(p, clock, limits, *parts, rows)
+        kernel(*shared, *parts, rows)
         return rows
 
     blocks = list(pool.map(block, range(0, arrays[0].shape[1], BLOCK)))

@@ -156,6 +156,11 @@ class Plant:
         if chained is not None and robot == "chained":
             self._in_chart, self._state = True, (*chained,)
 
+    @property
+    def in_chart(self) -> bool:
+        """Whether the state is x0, x1, x2, u0, u1, or x, y, θ, v, ω."""
+        return self._in_chart
+
     def measurement(self, t: float) -> Measurement:
         """Exact measurement of the present state.
 

@@ -17,6 +17,7 @@ from parkproof.scenario import DIVERGED_AT, Scenario
 from parkproof.simulation.metrics import Metrics, metrics_of
 from parkproof.simulation.outcome import Outcome
 from parkproof.simulation.plant import Plant
+from parkproof.simulation.sensor import Sensor
 
 COLUMNS = (
     "t", "x0", "x1", "x2", "u0", "u1", "v", "omega", "tau1", "tau2", "xm", "ym", "theta", "step",
@@ -171,24 +172,27 @@ def simulate(scenario: Scenario, *, progress: Callable[[float], None] | None = N
         chained=scenario.start.chained,
     )
     controller.hold_velocity(*scenario.start_velocity)
-    recorder = Recorder(scenario)
+    recorder, sensor = Recorder(scenario), Sensor(scenario.run)
     h, n, steps = scenario.run.control_period, scenario.run.samples, plant_steps(scenario)
     report_every = max(1, n // 200)
     for k in range(n + 1):
         t = k * h
         measurement = plant.measurement(t)
-        if (ended := recorder.end_before(measurement)) is not None:
+        seen = sensor.seen(k, measurement, in_chart=plant.in_chart)
+        if (ended := recorder.end_before(measurement, seen)) is not None:
+            if k == 0:  # noise, as no start is accepted that would end the run
+                recorder.record(measurement, Command(1, 0.0, 0.0))
             return recorder.finish(ended, t)
         try:
-            command = controller.step(measurement)
+            command = controller.step(seen)
             recorder.record(measurement, command)
             if (ended := recorder.end_after(command, measurement)) is not None:
                 return recorder.finish(ended, t)
             if k < n:
                 plant.advance(command, t, h, steps)
         except ArithmeticError:  # beyond the floats, or beyond the horizon of the camera
-            seen = scenario.camera is None
-            return recorder.finish(Outcome.DIVERGED if seen else Outcome.OUT_OF_VIEW, t)
+            papers = scenario.camera is None
+            return recorder.finish(Outcome.DIVERGED if papers else Outcome.OUT_OF_VIEW, t)
         if progress is not None and k % report_every == 0:
             progress(k / n)
     return recorder.finish(None, n * h)
@@ -218,8 +222,8 @@ class Recorder:
         self._first_end_of_step2: float | None = None
         self._returns = 0
 
-    def end_before(self, m: Measurement) -> Outcome | None:
-        """The outcome if the run cannot go on from this measurement, else None."""
+    def end_before(self, m: Measurement, seen: Measurement) -> Outcome | None:
+        """The outcome if the run cannot go on from what is true or seen, else None."""
         size = max(abs(m.x0), abs(m.x1), abs(m.v), abs(m.omega))
         if not size < DIVERGED_AT:
             return Outcome.DIVERGED
@@ -228,7 +232,7 @@ class Recorder:
             return Outcome.OUT_OF_VIEW
         if self._sees is not None and not self._sees(m.x0, m.x1):
             return Outcome.OUT_OF_VIEW
-        if not abs(m.x2) < DIVERGED_AT and self._scenario.law == "published":
+        if self._scenario.law == "published" and not max(abs(m.x2), abs(seen.x2)) < DIVERGED_AT:
             return Outcome.LEFT_CHART
         return None
 

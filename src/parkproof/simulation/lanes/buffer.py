@@ -19,6 +19,7 @@ ROWS = (
     # working values
     "chart", "tau1", "tau2", "old0", "old1", "step_before",
     "kept",
+    "seen0", "seen1", "seen2", "seen3", "seen4", "raw2", "raw3", "raw4", "raw_chart",
     "gamma1", "gamma2", "phi1", "phi2",
     "gamma1_mid", "gamma2_mid", "phi1_mid", "phi2_mid",
     "gamma1_end", "gamma2_end", "phi1_end", "phi2_end",
@@ -41,6 +42,7 @@ largest |θ| outside the chart."""
     MAX0, MAX1, MAX2, MAX3, MAX4, LOW0, HIGH0, SPEED, TURN_RATE, HEADING,
     CHART, TAU1, TAU2, OLD0, OLD1, STEP_BEFORE,
     KEPT,
+    SEEN0, SEEN1, SEEN2, SEEN3, SEEN4, RAW2, RAW3, RAW4, RAW_CHART,
     GAMMA1, GAMMA2, PHI1, PHI2,
     GAMMA1_MID, GAMMA2_MID, PHI1_MID, PHI2_MID,
     GAMMA1_END, GAMMA2_END, PHI1_END, PHI2_END,
@@ -67,3 +69,10 @@ class LaneLimits(NamedTuple):
     x_max: float
     y_min: float
     y_max: float
+
+
+class Sensing(NamedTuple):
+    """Latency in samples, and the noise of the five states."""
+
+    delay: int
+    deviations: tuple[float, float, float, float, float]

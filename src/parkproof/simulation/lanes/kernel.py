@@ -5,6 +5,9 @@ the paper's camera. Law, switching, inputs and measurements are the functions us
 order of the loops differs. A lane's result does not depend on its place in a batch or on its
 company: all lanes go through the vector loops, whose code rounds in one way, and those that are
 turning are then done again one by one.
+
+A controller is given the rows X0 … X4: where measurements are exact and prompt, those of the state
+itself, else those that `parkproof.simulation.lanes.sensor` fills.
 """
 
 import math
@@ -38,6 +41,11 @@ from parkproof.simulation.lanes.buffer import (
     S2,
     S3,
     S4,
+    SEEN0,
+    SEEN1,
+    SEEN2,
+    SEEN3,
+    SEEN4,
     STEP,
     STEP_BEFORE,
     TAU1,
@@ -46,11 +54,18 @@ from parkproof.simulation.lanes.buffer import (
 )
 from parkproof.simulation.lanes.metrics import count, measure, watch
 from parkproof.simulation.lanes.plant import advance_all, change_coordinates, fill_signals
+from parkproof.simulation.lanes.sensor import end_unseen, see, seen_pose
 from parkproof.simulation.polynomials import OPTIONS, register
 
 
+@numba.njit(forceinline=True, **OPTIONS)
+def true_pose(b, j):
+    """Heading, speed and turn rate of a lane that turns, measured exactly."""
+    return b[S2, j], b[S3, j], b[S4, j]
+
+
 @cache
-def kernel_of(law_name: str, *, implicit: bool) -> Callable[..., Any]:
+def kernel_of(law_name: str, *, implicit: bool, exact: bool = True) -> Callable[..., Any]:
     """Compile the kernel of a law in one form, once a process.
 
     Parameters
@@ -59,13 +74,16 @@ def kernel_of(law_name: str, *, implicit: bool) -> Callable[..., Any]:
         "published", "corrected" or "homogeneous".
     implicit : bool
         Which form of the law.
+    exact : bool
+        Whether measurements are without noise and latency.
 
     Returns
     -------
     callable
-        ``kernel(p, clock, limits, state, in_chart, alpha, mean, tones, adversary, out)``: carries
-        out the trials of one block of `BLOCK` lanes, reading arrays whose last axis is the lane
-        and writing the rows `RESULTS` into ``out``. It releases the interpreter lock.
+        ``kernel(p, clock, limits, sensing, state, in_chart, alpha, mean, tones, adversary, keys,
+        out)``: carries out the trials of one block of `BLOCK` lanes, reading arrays whose last
+        axis is the lane and writing the rows `RESULTS` into ``out``. It releases the interpreter
+        lock.
 
     Examples
     --------
@@ -79,50 +97,54 @@ def kernel_of(law_name: str, *, implicit: bool) -> Callable[..., Any]:
     inputs = implicit_inputs if implicit else explicit_inputs
     compiled = numba.njit(nogil=True, **OPTIONS)
     inlined = numba.njit(forceinline=True, **OPTIONS)
+    X0, X1, X2, X3, X4 = (S0, S1, S2, S3, S4) if exact else (SEEN0, SEEN1, SEEN2, SEEN3, SEEN4)
+    pose = true_pose if exact else seen_pose
 
     @compiled
     def begin(b, p):
         for j in range(BLOCK):
             if b[CHART, j] == 0.0:
                 b[S2, j] = wrap_angle(b[S2, j])
-                inside = abs(b[S2, j]) < 0.5 * math.pi
-                x2 = math.tan(b[S2, j]) if inside else math.copysign(math.inf, b[S2, j])
+                theta, v, omega = pose(b, j)
+                inside = abs(theta) < 0.5 * math.pi
+                x2 = math.tan(theta) if inside else math.copysign(math.inf, theta)
+                _, rate = chained_inputs(v, omega, x2)
             else:
-                x2 = b[S2, j]
-            _, u1 = chained_inputs(b[S3, j], b[S4, j], x2)
-            rate = b[S4, j] if b[CHART, j] == 1.0 else u1
-            b[STEP, j] = law_begin(b[S1, j], x2, rate, p)
+                x2, rate = b[X2, j], b[X4, j]
+            b[STEP, j] = law_begin(b[X1, j], x2, rate, p)
             change_coordinates(b, j)
             b[STEP_BEFORE, j] = b[STEP, j]
-            b[WAY, j] = law_direction(b[S0, j], b[S1, j], b[S2, j], b[S3, j], p)
+            b[WAY, j] = law_direction(b[X0, j], b[X1, j], b[X2, j], b[X3, j], p)
 
     @inlined
     def switch_lane(b, j, t, p):
-        x0, x1, x2, u0, u1 = b[S0, j], b[S1, j], b[S2, j], b[S3, j], b[S4, j]
+        x0, x1, x2, u0, u1 = b[X0, j], b[X1, j], b[X2, j], b[X3, j], b[X4, j]
         b[STEP, j] = law_switch(b[STEP, j], b[WAY, j], t, x0, x1, x2, u0, u1, p)
 
     @inlined
     def turn_lane(b, j, p):
         b[S2, j] = wrap_angle(b[S2, j])
-        if turned(b[S2, j], b[S3, j], b[S4, j], p):
-            x2 = math.tan(b[S2, j])
-            _, u1 = chained_inputs(b[S3, j], b[S4, j], x2)
-            b[STEP, j] = law_begin(b[S1, j], x2, u1, p)
+        theta, v, omega = pose(b, j)
+        if turned(theta, v, omega, p):
+            x2 = math.tan(theta)
+            _, u1 = chained_inputs(v, omega, x2)
+            b[STEP, j] = law_begin(b[X1, j], x2, u1, p)
             change_coordinates(b, j)
 
     @compiled
     def switch_all(b, t, p):
-        if count(b, CHART, 0.0) > 0:
+        before = count(b, STEP, 0.0)
+        if before > 0:
             for j in range(BLOCK):
                 b[KEPT, j] = b[STEP, j]
         for j in range(BLOCK):
             switch_lane(b, j, t, p)
         if not turns:
             return 0
-        if count(b, CHART, 0.0) > 0:
+        if before > 0:
             for j in range(BLOCK):
-                if b[CHART, j] == 0.0:
-                    b[STEP, j] = b[KEPT, j]
+                if b[KEPT, j] == 0.0:
+                    b[STEP, j] = 0.0
                     turn_lane(b, j, p)
         turning = count(b, STEP, 0.0)
         fresh = 0
@@ -131,7 +153,7 @@ def kernel_of(law_name: str, *, implicit: bool) -> Callable[..., Any]:
         if fresh > 0:
             for j in range(BLOCK):
                 if b[STEP, j] == 1.0 and b[STEP_BEFORE, j] != 1.0:
-                    b[WAY, j] = law_direction(b[S0, j], b[S1, j], b[S2, j], b[S3, j], p)
+                    b[WAY, j] = law_direction(b[X0, j], b[X1, j], b[X2, j], b[X3, j], p)
         if turning > 0:
             for j in range(BLOCK):
                 change_coordinates(b, j)
@@ -139,7 +161,7 @@ def kernel_of(law_name: str, *, implicit: bool) -> Callable[..., Any]:
 
     @inlined
     def command_in_chart(b, j, p):
-        x0, x1, x2, u0, u1 = b[S0, j], b[S1, j], b[S2, j], b[S3, j], b[S4, j]
+        x0, x1, x2, u0, u1 = b[X0, j], b[X1, j], b[X2, j], b[X3, j], b[X4, j]
         y0, y1, y2 = predicted(x0, x1, x2, u0, u1, p)
         one, two = law_channels(b[STEP, j], b[WAY, j], y0, y1, y2, u0, p)
         tau1, tau2 = inputs(one, two, u0, u1, p)
@@ -147,8 +169,8 @@ def kernel_of(law_name: str, *, implicit: bool) -> Callable[..., Any]:
 
     @inlined
     def command_turning(b, j, p):
-        v, omega = b[S3, j], b[S4, j]
-        one, two = turn_channels(b[S2, j] + p.lookahead * omega, p)
+        theta, v, omega = pose(b, j)
+        one, two = turn_channels(theta + p.lookahead * omega, p)
         return inputs(one, two, v, omega, p)
 
     @compiled
@@ -159,11 +181,13 @@ def kernel_of(law_name: str, *, implicit: bool) -> Callable[..., Any]:
             b[TAU1, j], b[TAU2, j] = command_in_chart(b, j, p)
         if turning > 0:
             for j in range(BLOCK):
-                if b[CHART, j] == 0.0:
+                if b[STEP, j] == 0.0:
                     b[TAU1, j], b[TAU2, j] = command_turning(b, j, p)
 
     @compiled
-    def kernel(p, clock, limits, state, in_chart, alpha, mean, tones, adversary, out):
+    def kernel(
+        p, clock, limits, sensing, state, in_chart, alpha, mean, tones, adversary, keys, out
+    ):
         b = np.zeros((len(ROWS), BLOCK))
         for j in range(BLOCK):
             for i in range(5):
@@ -173,11 +197,18 @@ def kernel_of(law_name: str, *, implicit: bool) -> Callable[..., Any]:
             b[CHART, j] = in_chart[j]
             b[ENDED_AT, j] = -1.0
             b[LOW0, j] = b[HIGH0, j] = b[S0, j]
+        ring = np.empty((1 if exact else sensing.delay + 1, 6, BLOCK))
+        if not exact:
+            see(b, ring, 0, sensing, keys)
         begin(b, p)
         fill_signals(b, mean, tones, 0.0, GAMMA1)
         for k in range(clock.samples + 1):
             t = k * clock.period
+            if not exact and k > 0:
+                see(b, ring, k, sensing, keys)
             watch(b, t, limits, turns)
+            if not exact and not turns:
+                end_unseen(b, t)
             turning = switch_all(b, t, p) if k > 0 else count(b, STEP, 0.0)
             command_all(b, turning, p)
             measure(b, t, k == 0, clock.residual_from, limits)

@@ -111,7 +111,7 @@ def measure(b, t, first, residual_from, limits):
         tau1, tau2 = b[TAU1, j], b[TAU2, j]
         late = live and t >= residual_from
         holding = live and b[STEP, j] == 4.0
-        e0, e1, e2 = abs(x), abs(y), abs(x2)
+        e0, e1, e2 = abs(x), abs(y), abs(b[S2, j])  # outside the chart |θ| counts for |x2|
         b[RESIDUAL0, j] = max(b[RESIDUAL0, j], e0) if late else b[RESIDUAL0, j]
         b[RESIDUAL1, j] = max(b[RESIDUAL1, j], e1) if late else b[RESIDUAL1, j]
         b[RESIDUAL2, j] = max(b[RESIDUAL2, j], e2) if late else b[RESIDUAL2, j]
