@@ -194,6 +194,19 @@ def test_a_law_that_cannot_turn_ends_where_it_is_told_of_a_heading_beyond_90_deg
         assert len(run.trajectory["t"]) >= 1
 
 
+def test_a_law_that_is_misled_about_a_heading_beyond_90_degrees_ends(section4: Make) -> None:
+    """The chart has no such headings; entering it would turn the robot round."""
+    start = Start(pose=(-1.0, 0.3, 2.0))
+    changes = {"noise": (0, 0, 1.5, 0, 0), "duration": 0.2, "discretisation": "implicit"}
+    given = [section4(start=start, seed=seed, **changes) for seed in range(12)]
+    runs = [simulate(scenario) for scenario in given]
+    lanes = simulate_ensemble(given)
+    outcomes = [run.outcome for run in runs]
+    assert list(lanes["outcome"]) == outcomes
+    assert Outcome.LEFT_CHART in outcomes
+    assert lanes["ended"].tolist() == pytest.approx([run.ended for run in runs])
+
+
 # ------------------------------------------------------------------------------------------- lanes
 
 MEASUREMENTS: dict[str, dict[str, Any]] = {

@@ -19,6 +19,7 @@ from parkproof.model.chained import (
 from parkproof.model.overhead import ImageGains
 from parkproof.model.signals import signal_value
 from parkproof.model.truth import Channel
+from parkproof.model.unicycle import wrap_angle
 from parkproof.scalar import sign
 
 State = tuple[float, float, float, float, float]
@@ -160,6 +161,11 @@ class Plant:
     def in_chart(self) -> bool:
         """Whether the state is x0, x1, x2, u0, u1, or x, y, θ, v, ω."""
         return self._in_chart
+
+    def is_misled(self, command: Command) -> bool:
+        """Whether the law takes a heading beyond ±90° for one in the chart, which has no such."""
+        enters = self._robot == "chained" and command.step >= 1 and not self._in_chart
+        return enters and abs(wrap_angle(self._state[2])) >= 0.5 * math.pi
 
     def measurement(self, t: float) -> Measurement:
         """Exact measurement of the present state.

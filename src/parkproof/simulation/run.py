@@ -185,6 +185,10 @@ def simulate(scenario: Scenario, *, progress: Callable[[float], None] | None = N
             return recorder.finish(ended, t)
         try:
             command = controller.step(seen)
+            if plant.is_misled(command):
+                if k == 0:
+                    recorder.record(measurement, command)
+                return recorder.finish(Outcome.LEFT_CHART, t)
             recorder.record(measurement, command)
             if (ended := recorder.end_after(command, measurement)) is not None:
                 return recorder.finish(ended, t)

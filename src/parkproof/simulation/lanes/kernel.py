@@ -54,7 +54,7 @@ from parkproof.simulation.lanes.buffer import (
 )
 from parkproof.simulation.lanes.metrics import count, measure, watch
 from parkproof.simulation.lanes.plant import advance_all, change_coordinates, fill_signals
-from parkproof.simulation.lanes.sensor import end_unseen, see, seen_pose
+from parkproof.simulation.lanes.sensor import end_misled, end_unseen, see, seen_pose
 from parkproof.simulation.polynomials import OPTIONS, register
 
 
@@ -112,6 +112,8 @@ def kernel_of(law_name: str, *, implicit: bool, exact: bool = True) -> Callable[
             else:
                 x2, rate = b[X2, j], b[X4, j]
             b[STEP, j] = law_begin(b[X1, j], x2, rate, p)
+            if not exact:
+                end_misled(b, j, 0.0)
             change_coordinates(b, j)
             b[STEP_BEFORE, j] = b[STEP, j]
             b[WAY, j] = law_direction(b[X0, j], b[X1, j], b[X2, j], b[X3, j], p)
@@ -122,13 +124,15 @@ def kernel_of(law_name: str, *, implicit: bool, exact: bool = True) -> Callable[
         b[STEP, j] = law_switch(b[STEP, j], b[WAY, j], t, x0, x1, x2, u0, u1, p)
 
     @inlined
-    def turn_lane(b, j, p):
+    def turn_lane(b, j, t, p):
         b[S2, j] = wrap_angle(b[S2, j])
         theta, v, omega = pose(b, j)
         if turned(theta, v, omega, p):
             x2 = math.tan(theta)
             _, u1 = chained_inputs(v, omega, x2)
             b[STEP, j] = law_begin(b[X1, j], x2, u1, p)
+            if not exact:
+                end_misled(b, j, t)
             change_coordinates(b, j)
 
     @compiled
@@ -145,7 +149,7 @@ def kernel_of(law_name: str, *, implicit: bool, exact: bool = True) -> Callable[
             for j in range(BLOCK):
                 if b[KEPT, j] == 0.0:
                     b[STEP, j] = 0.0
-                    turn_lane(b, j, p)
+                    turn_lane(b, j, t, p)
         turning = count(b, STEP, 0.0)
         fresh = 0
         for j in range(BLOCK):

@@ -21,11 +21,13 @@ from parkproof.simulation.lanes.buffer import (
     RAW4,
     RAW_CHART,
     S0,
+    S2,
     SEEN0,
     SEEN1,
     SEEN2,
     SEEN3,
     SEEN4,
+    STEP,
 )
 from parkproof.simulation.noise import standard_noise
 from parkproof.simulation.polynomials import OPTIONS, register
@@ -89,3 +91,11 @@ def end_unseen(b, t):
     for j in range(BLOCK):
         if b[ENDED, j] == 0.0 and not abs(b[SEEN2, j]) < 1e6:
             b[ENDED, j], b[ENDED_AT, j] = LEFT_CHART, t
+
+
+@inlined
+def end_misled(b, j, t):
+    """End a lane that is about to enter the chart with a heading that is not in it."""
+    enters = b[STEP, j] >= 1.0 and b[CHART, j] == 0.0
+    if b[ENDED, j] == 0.0 and enters and abs(b[S2, j]) >= 0.5 * math.pi:
+        b[ENDED, j], b[ENDED_AT, j] = LEFT_CHART, t
