@@ -42,7 +42,10 @@ def write_design(
         return
     period = found.spec.design.control_period
     progress("measuring runs", 0.0)
-    measured = measured_of(found.certificate, control_period=period)
+    aim = found.spec.design
+    measured = measured_of(
+        found.certificate, control_period=period, noise=aim.noise, latency=aim.latency
+    )
     found.certificate = with_measured(found.certificate, measured)
     (directory / "certificate.json").write_text(
         json.dumps(found.certificate, indent=1) + "\n", encoding="utf-8"
