@@ -204,4 +204,4 @@ def approach_link(
     sizes = proved_sizes(chain, count=33) if rate is not None else None
     if rate is None or sizes is None:
         return None
-    return {"k": list(found.k), "s": list(found.s), "w": 1.0, "rate": rate, "sizes": sizes}
+    return {"k": list(found.k), "s": list(found.s), "rate": rate, "sizes": sizes}

@@ -232,7 +232,7 @@ def certify(
             drift = up(peaks.x1_at_rest / section["tolerance"][1])
             section["hysteresis"] = max(2.0, math.ceil(100.0 * drift) / 100.0)
             peaks = _peaks(section, assumptions, lyapunov)
-    except GapError as error:
+    except (GapError, ValueError, ArithmeticError) as error:
         return Certified(None, str(error))
     return Certified(_signed(claim_of(peaks), assumptions, section, lyapunov))
 

@@ -10,8 +10,8 @@ from fractions import Fraction
 
 from flint import arb, fmpq
 
-MAX_BOXES = 2_000_000
-"""Boxes after which a proof is given up."""
+MAX_BOXES = 600_000
+"""Boxes after which a proof is given up; a rate shares them among the ends of its gains."""
 
 SMALLEST = 2.0**-20
 """Length of an edge below which a proof is given up."""
@@ -266,7 +266,9 @@ def faces(dimension: int, parts: int = 8) -> Iterator[tuple[int, tuple[Range, ..
             yield face, sides
 
 
-def prove_on_surface(dimension: int, holds: Callable[[tuple[arb, ...]], bool]) -> int:
+def prove_on_surface(
+    dimension: int, holds: Callable[[tuple[arb, ...]], bool], *, budget: int = MAX_BOXES
+) -> int:
     """Prove a statement at every point of the surface max |z_i| = 1, by bisection.
 
     Parameters
@@ -275,6 +277,8 @@ def prove_on_surface(dimension: int, holds: Callable[[tuple[arb, ...]], bool]) -
         Of the space.
     holds : callable
         Whether the statement is shown for all points of a box; it must be odd or even in z.
+    budget : int
+        Boxes after which to give up.
 
     Returns
     -------
@@ -291,7 +295,7 @@ def prove_on_surface(dimension: int, holds: Callable[[tuple[arb, ...]], bool]) -
         face, sides = todo.pop()
         looked += 1
         lengths = [high - low for low, high in sides]
-        if looked > MAX_BOXES or max(lengths) < SMALLEST:
+        if looked > budget or max(lengths) < SMALLEST:
             return 0
         z = [ball(low, high) for low, high in sides]
         z.insert(face, arb(1))

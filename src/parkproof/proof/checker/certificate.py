@@ -19,6 +19,7 @@ from parkproof.proof.checker.chains import TwoChain
 from parkproof.proof.checker.ellipsoid import Ellipsoid
 from parkproof.proof.checker.links import Homogeneous, Link, PowerIntegrator
 from parkproof.proof.checker.parts import GapError, Law, Links, Peaks, Uncertainty
+from parkproof.proof.checker.shape import misfit_of_certificate
 from parkproof.proof.checker.squares import ThreeChainWithSquares
 from parkproof.proof.checker.whole_run import run_bounds
 
@@ -26,36 +27,8 @@ SCHEMA = "parkproof-certificate-1"
 PRECISION = 64
 """Bits of the ball arithmetic."""
 
-LAW = {
-    "lambda1": 1,
-    "k": 2,
-    "hold": 2,
-    "runup_speed": 1,
-    "tolerance": 3,
-    "hysteresis": 1,
-    "turn_tolerance": 1,
-    "chart_limit": 1,
-}
-CORRECTED, HOMOGENEOUS = {"l": 3}, {"ellipsoid": 6, "feedback": 3}
-CHAIN_OF_TWO = {"k2": 1, "rate": 1, "sizes": 3}
-CHAIN_OF_THREE = {"k": 2, "s": 2, "rate": 1, "sizes": 4}
-MATRIX = {"rate": 1, "rho": 2}
-GIVEN = {"alpha": 4, "gamma": 4, "disturbance": 2, "b2": 2, "starts": 10}
-"""How many numbers stand where; a text in the place of a number counts as none."""
-
-STARTS = ({"x0", "x1", "x2", "u0", "u1"}, {"x", "y", "theta", "v", "omega"})
-
-CLAIMS = {
-    "total_time": 0,
-    "max_tau": 2,
-    "max_abs_state": 5,
-    "max_speed": 0,
-    "max_turn_rate": 0,
-    "max_heading": 0,
-    "x0_range": 2,
-    "x1_at_rest": 0,
-}
-"""What a certificate claims, and how many numbers each has; 0 for a single one."""
+LARGEST_CHART = 89
+"""Largest chart_limit in degrees: the tangent must stay a number of moderate size."""
 
 
 class NotACertificateError(ValueError):
@@ -85,6 +58,12 @@ def digest_of(certificate: dict[str, Any]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
+def _without_repetition(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    if len({key for key, _ in pairs}) != len(pairs):
+        raise ValueError("a key is given twice")
+    return dict(pairs)
+
+
 def read(text: str) -> dict[str, Any]:
     """Read a certificate and check its schema and digest.
 
@@ -111,12 +90,13 @@ def read(text: str) -> dict[str, Any]:
     parkproof.proof.checker.certificate.NotACertificateError: not a parkproof-certificate-1 ...
     """
     try:
-        certificate = json.loads(text)
+        certificate = json.loads(text, object_pairs_hook=_without_repetition)
+        digest = digest_of(certificate) if isinstance(certificate, dict) else ""
     except (ValueError, RecursionError) as error:
         raise NotACertificateError(f"not JSON: {error}") from error
     if not isinstance(certificate, dict) or certificate.get("schema") != SCHEMA:
         raise NotACertificateError(f"not a {SCHEMA} (its key schema says otherwise)")
-    if certificate.get("digest") != digest_of(certificate):
+    if certificate.get("digest") != digest:
         raise NotACertificateError("the digest is wrong: the file was changed or cut short")
     return certificate
 
@@ -190,10 +170,6 @@ def _numbers(value: Any) -> list[float]:
     return [number for part in inner for number in _numbers(part)]
 
 
-def _miscounted(section: dict[str, Any], counts: dict[str, int]) -> list[str]:
-    return [name for name, count in counts.items() if len(_numbers(section[name])) != count]
-
-
 def _crossed(pairs: list[Any]) -> bool:
     return any(len(pair) != 2 or not pair[0] <= pair[1] for pair in pairs)
 
@@ -202,28 +178,12 @@ def _flaws(certificate: dict[str, Any]) -> Iterator[str]:
     """Why a certificate's numbers make no sense."""
     law, lyapunov = certificate["law"], certificate["lyapunov"]
     claim, given = certificate["claim"], certificate["assumptions"]
-    if law["name"] not in ("corrected", "homogeneous") or law["return_steering"] is not False:
-        yield "the theorem is about the laws corrected and homogeneous without return_steering"
     if not all(map(math.isfinite, _numbers([law, lyapunov, claim, given]))):
         yield "a number is not finite"
-    corrected = law["name"] == "corrected"
-    miscounted = [
-        *_miscounted(law, LAW | (CORRECTED if corrected else HOMOGENEOUS)),
-        *_miscounted(lyapunov["approach"], CHAIN_OF_THREE if corrected else MATRIX),
-        *_miscounted(lyapunov["hold"], CHAIN_OF_TWO),
-        *_miscounted(lyapunov["return"], CHAIN_OF_TWO),
-        *_miscounted(given, GIVEN),
-    ]
-    if miscounted or set(given["starts"]) not in STARTS:
-        raise NotACertificateError(f"{', '.join(miscounted) or 'starts'}: not the numbers it needs")
-    if set(claim) != set(CLAIMS) or any(
-        len(_numbers(claim[name])) != max(count, 1) for name, count in CLAIMS.items()
-    ):
-        yield "the claim does not consist of " + ", ".join(CLAIMS)
     if _crossed([*given["alpha"], *given["gamma"], given["b2"], *given["starts"].values()]):
         yield "a range of the assumptions is crossed"
     gains = ["k", "hold", "tolerance", "lambda1", "runup_speed", "turn_tolerance", "chart_limit"]
-    gains += ["l"] if corrected else []
+    gains += ["l"] if law["name"] == "corrected" else []
     # ρ is 0 without disturbance, and squares may be left out of V
     links = [{**link, "rho": [], "s": []} for link in lyapunov.values()]
     free = _numbers([[link.get("rho", []), link.get("s", [])] for link in lyapunov.values()])
@@ -231,15 +191,15 @@ def _flaws(certificate: dict[str, Any]) -> Iterator[str]:
     positive += _numbers([law[name] for name in gains])
     if not all(number > 0 for number in positive) or min([*given["disturbance"], *free]) < 0:
         yield "a gain, weight or bound is not positive"
-    if not law["chart_limit"] < 90 or not law["turn_tolerance"] < 1:
-        yield "chart_limit must be below 90 degrees, and turn_tolerance below 1"
+    if not law["chart_limit"] <= LARGEST_CHART or not law["turn_tolerance"] < 1:
+        yield f"chart_limit must be at most {LARGEST_CHART} degrees, and turn_tolerance below 1"
+    if not law["hysteresis"] > 1:
+        yield "hysteresis must exceed 1"
     lowest = {"q0": Fraction(0), "q1": Fraction(2, 3), "q2": Fraction(1, 2)}
     if any(not low < Fraction(law[name]) < 1 for name, low in lowest.items()):
         yield "an exponent lies outside its interval"
-    if law["direction"] not in ("forward", "backward", "toward", "auto"):
-        yield "there is no such direction of travel"
     if certificate["sampled"]:
-        yield "links were only sampled: " + ", ".join(certificate["sampled"])
+        yield "links were only sampled: " + ", ".join(map(str, certificate["sampled"]))
 
 
 def _false_claim(claim: dict[str, Any], peaks: Peaks) -> str:
@@ -297,9 +257,11 @@ def why_not(certificate: dict[str, Any]) -> str:
     >>> why_not({"schema": SCHEMA})
     Traceback (most recent call last):
     ...
-    parkproof.proof.checker.certificate.NotACertificateError: 'law' ...
+    parkproof.proof.checker.certificate.NotACertificateError: its keys is not what it must be ...
     """
     ctx.prec = PRECISION
+    if place := misfit_of_certificate(certificate):
+        raise NotACertificateError(f"{place} is not what it must be (see the schema)")
     try:
         for flaw in _flaws(certificate):
             return flaw
@@ -308,11 +270,7 @@ def why_not(certificate: dict[str, Any]) -> str:
         starts = certificate["assumptions"]["starts"]
         peaks, b1 = run_bounds(starts, law, known, links)
         return _false_claim(certificate["claim"], peaks) or _unproved_link(links, known, b1)
-    except NotACertificateError:
-        raise
     except GapError as error:
         return str(error)
-    except (KeyError, TypeError, AttributeError, IndexError, ZeroDivisionError) as error:
-        raise NotACertificateError(f"{error} is missing or not of its kind") from error
-    except (ValueError, OverflowError) as error:  # a ball that is no number proves nothing
+    except (ValueError, ArithmeticError) as error:  # a ball that is no number proves nothing
         return f"arithmetic failed: {error}"

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from flint import arb
 
 from parkproof.proof.checker.balls import (
+    MAX_BOXES,
     Range,
     down,
     exact,
@@ -60,7 +61,7 @@ def prove_rate(chain: Chain, rate: float, gains: Sequence[Range]) -> int:
             value, slope = chain.value_and_rate(z, *ends)
             return bool(slope + c * point_power(value.upper(), exponent) < 0)
 
-        boxes = prove_on_surface(chain.dimension, falls)
+        boxes = prove_on_surface(chain.dimension, falls, budget=MAX_BOXES - looked)
         if boxes == 0:
             return 0
         looked += boxes

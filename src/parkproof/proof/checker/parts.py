@@ -58,7 +58,8 @@ class Law:
     @property
     def turn_again(self) -> arb:
         """|x2| beyond which the law turns again."""
-        return (self.chart_limit + exact("19/20") * (arb.pi() / 2 - self.chart_limit)).tan()
+        angle = self.chart_limit + exact("19/20") * (arb.pi() / 2 - self.chart_limit)
+        return (angle * (1 - exact("1/1000000000000"))).tan()  # the law compares in floats
 
 
 @dataclass(frozen=True)

@@ -55,7 +55,7 @@ def boxes(
     """
     if "x0" in starts:
         box = {name: ends_of(starts[name]) for name in ("x0", "x1", "x2", "u0", "u1")}
-        if not largest_size(box["x2"]) <= law.chart_limit.tan():
+        if not largest_size(box["x2"]) <= (law.chart_limit * (1 - ROUNDING)).tan():
             raise GapError("starts beyond the chart's limit must be given as poses")
         x1 = largest_size(box["x1"])
         yield Box(box["x0"], x1, box["x2"], box["u0"], box["u1"], arb(0))
@@ -91,7 +91,11 @@ def _turn(
     fastest, end = largest_size(v), law.turn_tolerance
     coasting = point_power(fastest, 2 - law.q0) / (law.lambda1 * (2 - law.q0))
     stopping = point_power(fastest, 1 - law.q0) / (law.lambda1 * (1 - law.q0))
-    level = hold.level([theta, omega])
+    if not end <= law.chart_limit * (1 - ROUNDING):
+        raise GapError("turn_tolerance must be below chart_limit, or the turn ends elsewhere")
+    # a heading beside ±π may be taken with either sign
+    facing = theta if largest_size(theta) < exact("3.1415") else around(largest_size(theta))
+    level = hold.level([facing, omega])
     turning = hold.seconds(level, hold.inner_level(end))
     along = exact(known.alpha[0][1]) * coasting
     x0, x1 = plus(x, -along, along), largest_size(y) + exact(known.alpha[1][1]) * coasting

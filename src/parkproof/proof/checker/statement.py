@@ -47,6 +47,11 @@ def statement_of(certificate: dict[str, Any]) -> list[str]:
         f"|u1| <= {u1}.",
         f"5. Always |v| <= {claim['max_speed']} and |omega| <= {claim['max_turn_rate']}, and the "
         f"heading is within {claim['max_heading']} rad of the goal's.",
+        "Here x0, x1 are the position, x2 is the tangent of the heading, u0 = v cos(theta) and "
+        "u1 = omega / cos(theta)^2; in a turn v' = g1 tau1 + f1, omega' = g2 tau2 + f2, "
+        "theta' = b2 omega, and a heading of half a turn is taken with one sign.",
+        "The law uses the lower bounds of g1, g2 and the bounds of f1, f2 given here; its steps "
+        "end when settled, its inputs are not clipped, and it does not steer in Step 3.",
         "This speaks of continuous time. What sampling, noise and latency add is not proved.",
     ]
 
