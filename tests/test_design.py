@@ -146,9 +146,24 @@ def test_the_command_leaves_files_that_other_commands_take(tmp_path, monkeypatch
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("", "empty"),
         ("[bounds]\nalpha = [1.5, 0.5]", "crossed"),
         ("[bounds]\nb2 = [0.0, 1.0]", "b2"),
+        ("[bounds]\ndisturbance = 3.0\n[limits]\ntau = [2.0, 9.0]", "above 3"),
+        ("[bounds]\n[limits]\nview = [-0.5, 0.5, -1.0, 1.0]", "widen the view"),
+    ],
+)
+def test_what_no_gains_can_do_has_no_design(text, said, tmp_path, capsys):
+    file = tmp_path / "spec.toml"
+    file.write_text(text, encoding="utf-8")
+    assert main(["design", str(file), "--out", str(tmp_path / "out")]) == 1
+    assert said in " ".join(capsys.readouterr().out.split())
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "empty"),
         ("[bounds]\n[starts]\nx0 = [0.0, 1.0]", "x1 is missing"),
         ("[bounds]\n[starts]\nx0=[0.0, 1.0]\nx=[0.0,1.0]\ny=[0.0,1.0]\ntheta=[0.0,1.0]", "x0 does"),
         ('[bounds]\n[design]\naim = "input"', "time_limit"),

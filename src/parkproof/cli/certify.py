@@ -60,8 +60,10 @@ def certify(
     from parkproof.spec import read_spec
 
     require("flint", "scipy", extra="proof", purpose="parkproof certify")
-    from parkproof.proof.checker.statement import statement_of
+    from parkproof.proof.checker.statement import measured_sentence, statement_of
     from parkproof.proof.whole_run import certify as prove
+    from parkproof.proof.whole_run import with_measured
+    from parkproof.report.measured import measured_of
 
     spec = read_spec(gains, overrides=settings or ())
     if spec.gains is None:
@@ -86,14 +88,28 @@ def certify(
             starts=spec.starts.ranges,
             progress=lambda text: report(text, 0.0),
         )
+        certificate = found.certificate
+        if certificate is not None:
+            report("measuring runs", 0.0)
+            aim = spec.design
+            certificate = with_measured(
+                certificate,
+                measured_of(
+                    certificate,
+                    control_period=aim.control_period,
+                    noise=aim.noise,
+                    latency=aim.latency,
+                ),
+            )
     console = stdout_console()
-    if found.certificate is None:
+    if certificate is None:
         console.print(f"Not proved: {found.reason}.", soft_wrap=True)
         return 1
-    write_file(out, json.dumps(found.certificate, indent=1) + "\n", overwrite=overwrite)
-    for line in statement_of(found.certificate):
+    write_file(out, json.dumps(certificate, indent=1) + "\n", overwrite=overwrite)
+    for line in statement_of(certificate):
         console.print(line, soft_wrap=True)
     console.print()
+    console.print(measured_sentence(certificate), soft_wrap=True)
     if law == "corrected" and spec.gains.return_steering:
         console.print(
             "Note: the theorem is about the law without steering in Step 3; write "
@@ -101,7 +117,7 @@ def certify(
             soft_wrap=True,
         )
     if spec.switching is None:
-        switching = {name: found.certificate["law"][name] for name in SWITCHING}
+        switching = {name: certificate["law"][name] for name in SWITCHING}
         console.print(f"Note: found for [switching]: {switching}.", soft_wrap=True)
     console.print(f"Proved. Wrote {out}; re-prove it with: parkproof verify {out}", soft_wrap=True)
     return 0

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from rich.console import Console
 
     from parkproof.cli.console import Report
@@ -56,30 +58,25 @@ def design(
     Raises
     ------
     InputError
-        If the file is no specification, no gains can do what it says, or a library is missing.
+        If the file is no specification, or a library is missing.
 
     Examples
     --------
     >>> design(Path("gains.toml"), settings=["limits.tau=[1, 1]", "bounds.disturbance=2.5"])
-    Traceback (most recent call last):
-    ...
-    parkproof.errors.InputError: limits.tau[0] = 1: ...
+    Nothing is proved: limits.tau[0] = 1: ...
+    1
     """
     from parkproof.cli.console import print_files, progress, stdout_console
     from parkproof.extras import require
     from parkproof.output import output_directory
-    from parkproof.spec import read_spec
     from parkproof.validate import positive
 
     require("flint", "scipy", "clarabel", extra="proof", purpose="parkproof design")
-    from parkproof.proof.limits import check_feasible
-
-    wanted = read_spec(spec, overrides=settings or ())
-    check_feasible(wanted)
     scale = positive("effort", effort)
     directory = Path("designs") / spec.stem if out is None else out
     console = stdout_console()
     try:
+        wanted = _wanted(spec, settings or ())
         with (
             output_directory(directory, overwrite=overwrite) as work,
             progress(quiet=quiet) as report,
@@ -95,7 +92,26 @@ def design(
 
 
 class _NotFoundError(Exception):
-    """No gains were found; what was begun of the results is taken away."""
+    """There are no gains, or none were found; what was begun of the results is taken away."""
+
+
+def _wanted(spec: Path, settings: "Sequence[str]") -> "Spec":
+    """The specification; one that no gains can meet is no bad input, but has no design."""
+    from parkproof.errors import InputError
+    from parkproof.proof.limits import check_feasible
+    from parkproof.spec import read_spec
+
+    try:
+        wanted = read_spec(spec, overrides=settings)
+    except InputError as error:
+        if "[bounds]" in str(error):  # bounds that are no bounds
+            raise _NotFoundError(str(error)) from error
+        raise
+    try:
+        check_feasible(wanted)
+    except InputError as error:
+        raise _NotFoundError(str(error)) from error
+    return wanted
 
 
 def _search(
