@@ -1,0 +1,1 @@
+"""The laboratory: from pixels to parked, under any overhead camera, with a tag on the robot."""
