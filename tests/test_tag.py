@@ -1,5 +1,6 @@
 """Tags are found to hundredths of a pixel, and the image pose follows from their homography."""
 
+import ctypes
 import math
 
 import numpy as np
@@ -12,6 +13,7 @@ from parkproof.lab.tag import (
     Near,
     TagDetector,
     Unseen,
+    _Thresholds,
     near,
     square_homography,
 )
@@ -146,6 +148,19 @@ def test_a_mirrored_picture_has_the_other_handedness(detector: TagDetector) -> N
     place = near(there[:2], there.side)
     again = the(detector.find(image[:, ::-1], 5, near=place, flipped=True))
     assert np.allclose(again.corners, mirrored.corners, atol=0.02)
+
+
+def test_tags_of_little_contrast_are_still_found(detector: TagDetector) -> None:
+    image = picture((3, view((300.0, 200.0), 30.0, turn=0.3)), noise=0.0).astype(np.float64)
+    dim = 60.0 + 0.3 * (image - 140.0) + np.random.default_rng(0).normal(0.0, 2.0, image.shape)
+    seen = the(detector.find(np.clip(np.rint(dim), 0, 255).astype(np.uint8), 3))
+    assert seen.centre == pytest.approx((300.0, 200.0), abs=0.15)
+
+
+def test_the_detector_ignores_the_noise_of_a_plain_floor(detector: TagDetector) -> None:
+    settings = detector._detector.tag_detector_ptr
+    found = ctypes.cast(settings, ctypes.POINTER(_Thresholds)).contents
+    assert found.min_white_black_diff > 16  # of what σ = 3 makes between a dozen pixels
 
 
 def test_noise_shows_no_tags(detector: TagDetector) -> None:

@@ -19,6 +19,8 @@ COMMANDS = {
     "design": "Find gains for given limits, with a proof that runs under them park.",
     "certify": "Prove that runs with given gains park, and write the proof as a certificate.",
     "verify": "Re-prove a certificate and print its theorem.",
+    "tag": "Make a page with a tag to print, to scale.",
+    "teach": "Take the goal from one picture of the parked robot.",
     "schema": "Print the JSON schema of scenario files or certificates, for editors.",
     "citation": "Print BibTeX for the paper and for this software.",
     "completion": "Print or install the completion script of a shell.",

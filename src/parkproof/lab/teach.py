@@ -1,13 +1,20 @@
 """Teaching by showing: one picture of the robot where it shall park is the whole goal."""
 
+import io
+from pathlib import Path
+
+import numpy as np
+
 from parkproof.errors import InputError
-from parkproof.lab.devices import Frame
-from parkproof.lab.goal import MARGIN, Goal, gain_range
+from parkproof.lab.devices import Frame, Image
+from parkproof.lab.goal import Goal, gain_range
 from parkproof.lab.image_pose import TagMount, image_pose
 from parkproof.lab.tag import QUIET, Detection, TagDetector, Unseen, the_one
 
 
-def teach(frame: Frame, detector: TagDetector, mount: TagMount, *, margin: float = MARGIN) -> Goal:
+def teach(
+    frame: Frame, detector: TagDetector, mount: TagMount, *, margin: float | None = None
+) -> Goal:
     """Take the goal from one frame.
 
     Parameters
@@ -18,8 +25,9 @@ def teach(frame: Frame, detector: TagDetector, mount: TagMount, *, margin: float
         Finds its tag.
     mount : TagMount
         How the tag sits on the robot.
-    margin : float
-        Factor by which the bounds of the gains exceed what this frame lets expect.
+    margin : float, optional
+        Factor by which the bounds of the gains exceed what this frame lets expect; default
+        `extrapolation_margin`.
 
     Returns
     -------
@@ -33,17 +41,17 @@ def teach(frame: Frame, detector: TagDetector, mount: TagMount, *, margin: float
 
     Examples
     --------
-    >>> import numpy as np
     >>> empty = Frame(np.full((480, 640), 200, np.uint8), t=0.0, number=0)
     >>> teach(empty, TagDetector(), TagMount(tag_id=7))
     Traceback (most recent call last):
     ...
     parkproof.errors.InputError: the goal frame shows no tag: ...
     """
-    height, width = frame.image.shape[:2] if hasattr(frame.image, "shape") else (0, 0)
     seen = detector.detect(frame.image)
+    height, width = frame.image.shape[:2]
     found = the_one(seen, mount.tag_id)
     if isinstance(found, Unseen):
+        _refuse_cut_tag(frame.image, detector, mount.tag_id)
         raise _not_the_one(found, seen, mount.tag_id)
     _check_whole(found, width, height)
     pose = image_pose(found.homography, mount)
@@ -79,7 +87,7 @@ def _not_the_one(why: Unseen, seen: list[Detection], tag_id: int) -> InputError:
         )
     return InputError(
         f"the goal frame shows no tag: tag {tag_id} of the family 36h11 must be seen whole, with "
-        "its white margin, with sides of about 16 px or more, and in focus; print one with: "
+        "its white margin, sharp, and with sides of about 16 px or more; print one with: "
         f"parkproof tag --id {tag_id}"
     )
 
@@ -90,8 +98,78 @@ def _check_whole(tag: Detection, width: int, height: int) -> None:
     for x, y in ((-reach, -reach), (reach, -reach), (reach, reach), (-reach, reach)):
         u, v = tag.homography.project(x, y)
         if not (-0.5 <= u <= width - 0.5 and -0.5 <= v <= height - 0.5):
-            raise InputError(
-                f"the border of the goal frame cuts tag {tag.tag_id} or its white margin, near "
-                f"({u:.0f}, {v:.0f}) of {width} × {height} px; park further inside the view, or "
-                "turn the camera"
-            )
+            raise _cut(tag.tag_id)
+
+
+def _refuse_cut_tag(image: Image, detector: TagDetector, tag_id: int) -> None:
+    """Raise if a tag that is not seen is seen once the border is made white: it is cut there.
+
+    Finds cuts through the outer ring of cells only; for others there is the sentence of no tag.
+    """
+    wide = ((_PAD, _PAD), (_PAD, _PAD), (0, 0))[: image.ndim]
+    padded = np.pad(image, wide, constant_values=255)
+    if isinstance(detector.find(padded, tag_id), Detection):
+        raise _cut(tag_id)
+
+
+_PAD = 16
+
+
+def _cut(tag_id: int) -> InputError:
+    return InputError(
+        f"the border of the goal frame cuts tag {tag_id} or its white margin: all of it must be in "
+        "view; park further inside, or turn the camera"
+    )
+
+
+def read_picture(path: Path | str) -> Image:
+    """Read a picture from a file.
+
+    Parameters
+    ----------
+    path : Path or str
+        A PNG, JPEG or another kind that Pillow reads.
+
+    Returns
+    -------
+    array of uint8, rows × columns × 3
+        Red, green, blue.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, or it is no picture or a damaged one.
+
+    Examples
+    --------
+    >>> read_picture("parked.png")
+    Traceback (most recent call last):
+    ...
+    parkproof.errors.InputError: cannot read parked.png: No such file or directory; ...
+    """
+    from PIL import Image as Pictures
+    from PIL import UnidentifiedImageError
+
+    damaged = (
+        UnidentifiedImageError,
+        Pictures.DecompressionBombError,
+        Pictures.DecompressionBombWarning,
+        SyntaxError,  # a broken PNG
+    )
+    try:
+        with Pictures.open(io.BytesIO(Path(path).read_bytes())) as picture:
+            if picture.mode.startswith(("I", "F")):
+                raise InputError(
+                    f"cannot read {path}: it has more than 8 bits a pixel; save it with 8, as the "
+                    "camera gives it"
+                )
+            return np.asarray(picture.convert("RGB"))
+    except damaged as error:
+        raise InputError(
+            f"cannot read {path}: no picture, or a damaged one; give a PNG or JPEG of the camera"
+        ) from error
+    except OSError as error:
+        raise InputError(
+            f"cannot read {path}: {error.strerror or 'a damaged picture'}; name a picture of the "
+            "parked robot"
+        ) from error
