@@ -84,7 +84,7 @@ def loop(camera: Any, clock: Any, recorder: Recorder | None = None) -> list[tupl
 
 def frames_of(count: int) -> list[Frame | Missing]:
     frames: list[Frame | Missing] = [
-        Frame(picture(k), t=1000.0 + k / 30.0, number=k) for k in range(count)
+        Frame(picture(k), t=999.0 + k / 30.0, number=k) for k in range(count)
     ]
     frames.insert(2, Missing.LATE)
     return frames
@@ -117,7 +117,7 @@ def test_everything_comes_back_to_the_last_bit(
     assert [entry.frame.number for entry in taken] == list(range(6))
     for k, entry in enumerate(taken):
         np.testing.assert_array_equal(entry.frame.image, picture(k))
-        assert entry.frame.t == 1000.0 + k / 30.0
+        assert entry.frame.t == 999.0 + k / 30.0
         assert not entry.lost
     assert [(c.t, c.v, c.omega, c.step) for c in recording.commands()] == sent
     assert recording.commands() == [entry for entry in entries if isinstance(entry, Commanded)]
@@ -210,7 +210,7 @@ def test_standard_tools_find_standard_messages(
     message, image = found["/camera/image/compressed"][1]
     assert (image.format, image.data[:4]) == ("png", b"\x89PNG")
     stamp = image.header.stamp
-    assert stamp.sec + 1e-9 * stamp.nanosec == pytest.approx(1000.0 + 1 / 30, abs=2e-9)
+    assert stamp.sec + 1e-9 * stamp.nanosec == pytest.approx(999.0 + 1 / 30, abs=2e-9)
     assert message.log_time > message.publish_time  # arrival, capture
     twists = [decoded.twist for _, decoded in found["/robot/cmd_vel"]]
     assert [(twist.linear.x, twist.angular.z) for twist in twists] == [c[1:3] for c in sent]

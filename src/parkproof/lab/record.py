@@ -146,16 +146,19 @@ class Recorder:
         self._closed = False
         self.frames = 0
         self.lost = 0
+        metadata = {"version": __version__, "epoch": repr(epoch), "settings": text}
         try:
             self._file = self._path.open("wb")
             # pictures are compressed already, and the rest is little
             self._writer: Any = Writer(
                 self._file, chunk_size=CHUNK, compression=CompressionType.NONE
             )
-            self._writer.add_metadata(
-                METADATA, {"version": __version__, "epoch": repr(epoch), "settings": text}
-            )
-            self._file.flush()
+            try:
+                self._writer.add_metadata(METADATA, metadata)
+                self._file.flush()
+            except OSError:
+                self._close_file()
+                raise
         except OSError as error:
             raise InputError(
                 f"cannot write {path}: {error.strerror or error}; choose another place for the "
@@ -278,8 +281,11 @@ class Recorder:
         try:
             self._worker.close()
         finally:
-            with suppress(OSError):  # a full disk: already told
-                self._file.close()
+            self._close_file()
+
+    def _close_file(self) -> None:
+        with suppress(OSError):  # a full disk: told already
+            self._file.close()
 
     def _flush_readings(self) -> None:
         """Log what the clock said since the camera was read before this time."""
