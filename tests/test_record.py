@@ -19,8 +19,9 @@ from parkproof.errors import InputError
 from parkproof.lab.devices import Frame, Missing
 from parkproof.lab.entries import STEP_NAMES, Commanded, Event, Measured, Missed, Taken
 from parkproof.lab.messages import _DEFINITIONS, definition
-from parkproof.lab.record import TOPICS, Recorder, encode_png
+from parkproof.lab.record import Recorder
 from parkproof.lab.recording import Recording
+from parkproof.lab.run_file import TOPICS, encode_png
 from parkproof.report.style import step_names
 
 SETTINGS = {"goal": [320.0, 240.0, 0.1], "gains": {"l1": 0.1 + 0.2}, "rate": 30.0, "name": "ünï"}
@@ -344,7 +345,7 @@ def test_a_recording_that_cannot_begin_is_one_line(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="No such file or directory; choose another place"):
         Recorder(tmp_path / "missing" / "run.mcap", settings={})
     for settings in ({"a": float("nan")}, {"a": object()}):
-        with pytest.raises(InputError, match="settings of a recording: .*; give what JSON has"):
+        with pytest.raises(InputError, match=r"settings of a recording: .*; give what JSON has"):
             Recorder(tmp_path / "run.mcap", settings=settings)
     assert list(tmp_path.iterdir()) == []
 
@@ -376,7 +377,7 @@ def test_pictures_that_come_too_fast_are_counted_and_the_rest_is_kept(tmp_path: 
 def test_what_is_no_picture_is_one_line(tmp_path: Path, image: Any) -> None:
     with (
         Recorder(tmp_path / "run.mcap", settings={}) as recorder,
-        pytest.raises(InputError, match="frame of shape .*must be grey"),
+        pytest.raises(InputError, match=r"frame of shape .*must be grey"),
     ):
         recorder.frame(Frame(image, t=0.0, number=0), arrived=0.0)
 
@@ -387,9 +388,9 @@ def test_other_files_are_refused_in_one_line(
     from mcap.writer import Writer
 
     path, _ = recorded
-    with pytest.raises(InputError, match="no such file; give the run.mcap of a lab run"):
+    with pytest.raises(InputError, match=r"no such file; give the run.mcap of a lab run"):
         Recording.open(tmp_path / "missing.mcap")
-    with pytest.raises(InputError, match="Is a directory; give the run.mcap"):
+    with pytest.raises(InputError, match=r"Is a directory; give the run.mcap"):
         Recording.open(tmp_path)
     for content in (b"", b"hello", encode_png(picture(0))):
         (tmp_path / "other").write_bytes(content)
@@ -417,5 +418,5 @@ def test_a_damaged_recording_is_one_line(
     data[middle] ^= 0xFF
     (tmp_path / "damaged.mcap").write_bytes(data)
     recording = Recording.open(tmp_path / "damaged.mcap")
-    with pytest.raises(InputError, match="damaged at byte \\d+"):
+    with pytest.raises(InputError, match=r"damaged at byte \d+"):
         list(recording.entries())

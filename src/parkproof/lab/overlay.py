@@ -5,6 +5,7 @@ Colours are those of the figures, one for each step.
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -28,7 +29,7 @@ STEP_RGB: dict[int, Colour] = {
 
 INK: Colour = (27, 31, 36)
 PAPER: Colour = (244, 245, 247)
-QUIET: Colour = (142, 150, 161)
+QUIET: Colour = (163, 171, 182)
 TRACK: Colour = (58, 64, 72)
 ALARM: Colour = (213, 94, 0)
 
@@ -215,19 +216,23 @@ class _Pen:
                 cv2.LINE_AA, self.BITS,
             )  # fmt: skip
 
-    def dashes(self, points: Any, colour: Colour, *, width: float, dash: float) -> None:
-        """A dashed line through points, with gaps as long as the dashes."""
+    def dashes(self, points: Any, *, width: float, dash: float) -> None:
+        """A line through points whose dashes are light and dark in turn: seen on any ground."""
+        import cv2
+
         place = _finite(points)
         if len(place) < 2:
             return
+        self.line(place, INK, width=width, halo=False)
         steps = np.hypot(*np.diff(place, axis=0).T)
         along = np.concatenate(([0.0], np.cumsum(steps)))
         dash *= self.scale / self._zoom
-        count = min(int(along[-1] / dash) + 1, 400)
-        for start in np.arange(0, count, 2) * dash:
-            at = np.clip([start, start + dash], 0.0, along[-1])
-            piece = np.column_stack([np.interp(at, along, place[:, i]) for i in (0, 1)])
-            self.line(piece, colour, width=width)
+        starts = np.arange(0, min(int(along[-1] / dash) + 1, 400), 2) * dash
+        at = np.clip(np.column_stack([starts, starts + dash]), 0.0, along[-1])
+        ends = np.stack([np.interp(at, along, place[:, i]) for i in (0, 1)], axis=-1)
+        pieces = list(self._fixed(ends).reshape(-1, 2, 2))
+        thickness = max(1, round(width * self.scale))
+        cv2.polylines(self._picture, pieces, False, PAPER, thickness, cv2.LINE_AA, self.BITS)
 
     def fill(self, points: Any, colour: Colour) -> None:
         """A filled shape with a dark edge."""
@@ -257,13 +262,13 @@ def _colour(step: int | None) -> Colour:
 def _draw_paths(pen: _Pen, info: Overlay) -> None:
     """Where the robot was, in the colours of the steps, and where it will be, dashed."""
     if info.planned is not None:
-        pen.dashes(info.planned, PAPER, width=1.0, dash=6.0)
+        pen.dashes(info.planned, width=2.0, dash=6.0)
     if info.path is None or len(info.path) < 2:
         return
     n = len(info.path)
     steps = np.full(n, -1) if info.path_steps is None else np.asarray(info.path_steps)
     changes = [0, *(np.flatnonzero(np.diff(steps)) + 1).tolist(), n]
-    for first, last in zip(changes[:-1], changes[1:], strict=True):
+    for first, last in pairwise(changes):
         every = max(1, math.ceil((last - first) / MOST_POINTS))
         rows = np.unique(np.append(np.arange(max(first - 1, 0), last, every), last - 1))
         pen.line(info.path[rows], _colour(int(steps[first])), width=2.0)
@@ -275,7 +280,7 @@ def _draw_goal(pen: _Pen, info: Overlay) -> None:
     side = _side(info.goal_tag if info.goal_tag is not None else info.tag)
     if info.goal_tag is not None:
         ring = np.asarray(info.goal_tag, np.float64)
-        pen.dashes(np.vstack([ring, ring[:1]]), PAPER, width=1.0, dash=5.0)
+        pen.dashes(np.vstack([ring, ring[:1]]), width=2.0, dash=5.0)
     pen.line(_arrow(u, v, psi, side), PAPER, width=1.0, closed=True)
 
 
@@ -306,7 +311,8 @@ def _arrow(u: float, v: float, psi: float, side: float) -> Points:
         [(0, -half), (neck, -half), (neck, -head), (long, 0), (neck, head), (neck, half), (0, half)]
     )
     c, s = math.cos(psi), math.sin(psi)
-    return shape @ np.array([[c, s], [-s, c]]) + (u, v)
+    outline: Points = shape @ np.array([[c, s], [-s, c]]) + (u, v)
+    return outline
 
 
 def _draw_panel(panel: Image, info: Overlay) -> None:
@@ -317,31 +323,30 @@ def _draw_panel(panel: Image, info: Overlay) -> None:
     unit = width / 640.0
 
     def px(value: float) -> int:
-        return round(value * unit)
+        return int(value * unit + 0.5)
 
     panel[:] = INK
     colour = _colour(info.step)
     name = "waiting" if info.step is None else f"{info.step} {STEP_NAMES.get(info.step, '')}"
     cv2.rectangle(panel, (0, 0), (width, max(1, px(3)) - 1), colour, -1)
-    write_text(
-        panel, name.strip(), (px(16), px(29)), size=px(17), bold=True, colour=_light(colour)
-    )
+    write_text(panel, name.strip(), (px(16), px(29)), size=px(17), bold=True, colour=_light(colour))
     columns = (
-        (150, "time", f"{info.t:.1f} s"),
-        (226, "v", _number(info.v, "m/s", 2)),
-        (320, "ω", _number(info.omega, "rad/s", 2)),
-        (428, "to the goal", _number(info.error_px, "px", 1)),
-        (536, "heading off by", _number(info.error_deg, "°", 1)),
+        (148, "time", f"{info.t:.1f} s"),
+        (222, "v", _number(info.v, "m/s", 2)),
+        (324, "ω", _number(info.omega, "rad/s", 2)),
+        (438, "to the goal", _number(info.error_px, "px", 1)),
+        (538, "heading off", _number(info.error_deg, "°", 1)),
     )
     for x, label, value in columns:
-        write_text(panel, label, (px(x), px(19)), size=px(10), colour=QUIET)
-        write_text(panel, value, (px(x), px(36)), size=px(14), colour=PAPER)
+        write_text(panel, label, (px(x), px(18)), size=px(11), colour=QUIET)
+        write_text(panel, value, (px(x), px(36)), size=px(15), colour=PAPER)
     if info.event is not None:
         size = px(12)
         if info.alarm:
-            end = px(16) + text_width(info.event, size) + px(8)
-            cv2.rectangle(panel, (px(8), px(51)), (min(end, width), px(70)), ALARM, -1)
-        write_text(panel, info.event, (px(16), px(61)), size=size, colour=PAPER)
+            end = px(16) + text_width(info.event, size) + 2 * px(7)
+            cv2.rectangle(panel, (px(16), px(51)), (min(end, width), px(70)), ALARM, -1)
+        start = px(16) + (px(7) if info.alarm else 0)
+        write_text(panel, info.event, (start, px(61)), size=size, colour=PAPER)
     if info.bar is not None:
         fraction = info.bar.value / info.bar.limit if info.bar.limit > 0.0 else 1.0
         used = round(min(max(fraction, 0.0), 1.0) * (width - 2 * px(16)))

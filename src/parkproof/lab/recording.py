@@ -22,7 +22,7 @@ from parkproof.lab.entries import (
     Taken,
     from_text,
 )
-from parkproof.lab.record import IMAGE, LOG, METADATA
+from parkproof.lab.run_file import IMAGE, LOG, METADATA
 
 MAGIC = b"\x89MCAP0\r\n"
 """First and last bytes of an MCAP file."""

@@ -132,7 +132,8 @@ class RunVideo:
         import cv2
 
         if image.shape[1::-1] != self._size:
-            image = cv2.resize(image, self._size, interpolation=cv2.INTER_AREA)
+            resized = cv2.resize(image, self._size, interpolation=cv2.INTER_AREA)
+            image = np.asarray(resized, np.uint8)
         frame = av.VideoFrame.from_ndarray(even(overlay(image, info)), format="rgb24")
         if self._ticks is None:
             self._ticks = 0
@@ -266,7 +267,7 @@ def strip(
     target = Path(path)
     try:
         _, data = cv2.imencode(target.suffix, cv2.cvtColor(sheet, cv2.COLOR_RGB2BGR))
-        target.write_bytes(data)
+        target.write_bytes(bytes(data))
     except cv2.error as error:
         raise InputError(
             f"{path}: {target.suffix or 'no ending'} is no format of pictures; write for example "
