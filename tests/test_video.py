@@ -17,7 +17,7 @@ from matplotlib.colors import to_rgb
 from parkproof.errors import InputError
 from parkproof.lab.lettering import text_width, write_text
 from parkproof.lab.overlay import ALARM, STEP_RGB, Bar, Overlay, overlay, overlay_size
-from parkproof.lab.video import RunVideo, strip
+from parkproof.lab.video import RunVideo, _is_whole, strip
 from parkproof.report.style import STEP_COLOURS
 
 GOAL = (400.0, 300.0, 0.3)
@@ -90,19 +90,34 @@ def test_the_video_shows_the_pictures_that_were_given(tmp_path: Path) -> None:
         video.add(grey(200, shape=(480, 640, 3)), info(t=0.4))
     assert (video.frames, video.lost) == (8, 1)
     with av.open(str(path)) as container:
-        levels = [f.to_ndarray(format="gray")[50, 50] for f in container.decode(video=0)]
+        levels = [int(f.to_ndarray(format="gray")[50, 50]) for f in container.decode(video=0)]
     assert levels == pytest.approx([20, 60, 100, 140, 180, 100, 200], abs=6)
+
+
+def test_the_video_keeps_the_colours(tmp_path: Path) -> None:
+    path = tmp_path / "run.mp4"
+    image = grey(shape=(480, 640, 3))
+    colours = [(200, 30, 40), (30, 160, 60), (40, 60, 200), (250, 250, 250), (5, 5, 5)]
+    for k, colour in enumerate(colours):
+        image[:100, 100 * k : 100 * k + 100] = colour
+    with RunVideo(path, (640, 480), 30.0) as video:
+        video.add(image, info())
+    with av.open(str(path)) as container:
+        (frame,) = container.decode(video=0)
+    back = frame.to_ndarray(format="rgb24")
+    for k, colour in enumerate(colours):
+        np.testing.assert_allclose(back[50, 100 * k + 50], colour, atol=6)
 
 
 def test_pictures_that_come_too_fast_are_left_out_and_counted(tmp_path: Path) -> None:
     path = tmp_path / "run.mp4"
     noise = np.random.default_rng(0).integers(0, 256, (480, 640)).astype(np.uint8)
     with RunVideo(path, (640, 480), 30.0) as video:
-        for k in range(60):
+        for k in range(250):
             video.add(noise, info(t=k / 30.0))
     assert video.lost > 0
-    assert video.fault == f"{video.lost} of 60 pictures came too fast for the video"
-    assert len(shown(path)) == 60 - video.lost
+    assert video.fault == f"{video.lost} of 250 pictures came too fast for the video"
+    assert len(shown(path)) == 250 - video.lost
 
 
 def test_ctrl_c_leaves_a_video_that_plays(tmp_path: Path) -> None:
@@ -128,7 +143,7 @@ FULL = """
     with RunVideo(sys.argv[1], (640, 480), 30.0, realtime=False) as video:
         resource.setrlimit(resource.RLIMIT_FSIZE, (300_000, resource.RLIM_INFINITY))
         for k in range(20):
-            video.add(noise, Overlay(t=k / 30, goal=(0.0, 0.0, 0.0)))
+            video.add(np.roll(noise, 37 * k), Overlay(t=k / 30, goal=(0.0, 0.0, 0.0)))
     print(k, video.fault)
 """
 
@@ -144,8 +159,28 @@ def test_a_full_disk_costs_the_video_and_not_the_run(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_video_without_its_end_is_no_video(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "run.mp4"
+    record(path, [0.0, 0.1])
+    assert _is_whole(path)
+    data = path.read_bytes()
+    for cut in (1, 5, 100, len(data) // 2, len(data) - 4):
+        path.write_bytes(data[:-cut])
+        assert not _is_whole(path), cut
+    monkeypatch.setattr("parkproof.lab.video._is_whole", lambda _: False)
+    with RunVideo(path, (64, 48), 30.0) as video:
+        video.add(grey(shape=(48, 64)), info())
+    assert video.fault == (
+        "the video stopped: the end of the file could not be written; there is no run.mp4, and the "
+        "run went on without it"
+    )
+    assert not path.exists()
+
+
 def test_a_video_that_cannot_begin_is_one_line(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="cannot write .*No such file or directory; choose"):
+    with pytest.raises(InputError, match=r"cannot write .*No such file or directory; choose"):
         RunVideo(tmp_path / "missing" / "run.mp4", (64, 48), 30.0)
     for size, rate in (((0, 48), 30.0), ((64, 48), 0.0), ((64, 48), float("nan"))):
         with pytest.raises(InputError, match="must be positive; write for example size"):
@@ -270,7 +305,7 @@ def test_a_strip_that_cannot_be_is_one_line(tmp_path: Path) -> None:
         strip([], tmp_path / "s.png")
     with pytest.raises(InputError, match="of 2 sizes"):
         strip([one, one[:20]], tmp_path / "s.png")
-    with pytest.raises(InputError, match="is no format of pictures; write for example strip.png"):
+    with pytest.raises(InputError, match=r"is no format of pictures; write for example strip.png"):
         strip([one], tmp_path / "s.nothing")
-    with pytest.raises(InputError, match="cannot write .*; choose another place"):
+    with pytest.raises(InputError, match=r"cannot write .*; choose another place"):
         strip([one], tmp_path / "missing" / "s.png")

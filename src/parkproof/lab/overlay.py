@@ -42,8 +42,8 @@ PANEL = 84
 FAR = 6000.0
 """No point is drawn further out than this many px: beyond, fixed-point numbers end."""
 
-MOST_POINTS = 600
-"""A path is drawn with at most this many points."""
+SPACING = 3.0
+"""Points of a path closer together than this many px are drawn as one."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class Bar:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Overlay:
-    """What is known of one moment of a run.
+    """What is known of one moment of a run. Its arrays may not change afterwards.
 
     Attributes
     ----------
@@ -265,13 +265,17 @@ def _draw_paths(pen: _Pen, info: Overlay) -> None:
         pen.dashes(info.planned, width=2.0, dash=6.0)
     if info.path is None or len(info.path) < 2:
         return
-    n = len(info.path)
+    path = np.asarray(info.path, np.float64)
+    n = len(path)
     steps = np.full(n, -1) if info.path_steps is None else np.asarray(info.path_steps)
+    moved = np.nan_to_num(np.hypot(*np.diff(path, axis=0).T), nan=FAR, posinf=FAR)
+    place = np.concatenate(([0.0], np.cumsum(moved))) // SPACING
     changes = [0, *(np.flatnonzero(np.diff(steps)) + 1).tolist(), n]
     for first, last in pairwise(changes):
-        every = max(1, math.ceil((last - first) / MOST_POINTS))
-        rows = np.unique(np.append(np.arange(max(first - 1, 0), last, every), last - 1))
-        pen.line(info.path[rows], _colour(int(steps[first])), width=2.0)
+        start = max(first - 1, 0)
+        apart = np.flatnonzero(np.diff(place[start:last])) + 1
+        rows = start + np.unique(np.concatenate(([0], apart, [last - 1 - start])))
+        pen.line(path[rows], _colour(int(steps[first])), width=2.0)
 
 
 def _draw_goal(pen: _Pen, info: Overlay) -> None:
@@ -289,7 +293,7 @@ def _draw_robot(pen: _Pen, info: Overlay) -> None:
     colour = _colour(info.step)
     if info.tag is not None:
         pen.line(info.tag, colour, width=2.0, closed=True)
-    if info.pose is not None:
+    if info.pose is not None and all(map(math.isfinite, info.pose)):
         u, v, psi = info.pose
         arrow = _arrow(u, v, psi, _side(info.tag))
         pen.line(arrow, INK, width=3.0, closed=True, halo=False)
@@ -298,7 +302,7 @@ def _draw_robot(pen: _Pen, info: Overlay) -> None:
 
 def _side(tag: Points | None) -> float:
     """A length that goes with the robot: the tag's side in px."""
-    if tag is None:
+    if tag is None or not np.isfinite(tag).all():
         return 30.0
     ring = np.asarray(tag, np.float64)
     return float(np.mean(np.hypot(*(np.roll(ring, -1, axis=0) - ring).T)))

@@ -273,6 +273,7 @@ def encode_png(image: Image) -> bytes:
 
     Examples
     --------
+    >>> import numpy as np
     >>> encode_png(np.zeros((48, 64), np.uint8))[1:4]
     b'PNG'
     """

@@ -128,9 +128,10 @@ def frame_path(axes: "Axes", run: DrawnRun) -> float:
     if outline := run.scenario.view_outline:
         axes.add_patch(Polygon(outline, fc="none", ec=VERMILION, lw=1.1, ls="--"))
         topmost = max(outline, key=lambda corner: (corner[1], corner[0]))
+        left = 2.0 * topmost[0] < min(x for x, _ in outline) + max(x for x, _ in outline)
         axes.annotate(
             "camera's view", topmost, xytext=(0, 3), textcoords="offset points",
-            ha="right", va="bottom", fontsize=8, color=VERMILION,
+            ha="left" if left else "right", va="bottom", fontsize=8, color=VERMILION,
         )  # fmt: skip
     length = ROBOT_INCHES / height * (y_high - y_low)
     draw_robot(axes, (0.0, 0.0, 0.0), length=length, colour=INK, ghost=True, zorder=6.0)
