@@ -1,18 +1,20 @@
 """Robots over UDP and over wheels, with real sockets on loopback."""
 
+import contextlib
 import math
 import signal
 import socket
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import msgspec
 import pytest
 
 from parkproof.errors import InputError
-from parkproof.lab.devices import RobotLimits, RobotSilentError
+from parkproof.lab.devices import Robot, RobotLimits, RobotSilentError
 from parkproof.lab.robot_simulator import SMALL_ROBOT, UdpRobotSimulator
 from parkproof.lab.robots import GENTLE, WheelBase, WheelRobot, open_robot
 from parkproof.lab.udp_link import UdpLink
@@ -20,11 +22,31 @@ from parkproof.lab.udp_link import UdpLink
 
 @pytest.fixture
 def simulator() -> Iterator[UdpRobotSimulator]:
-    with UdpRobotSimulator() as there:
+    with UdpRobotSimulator(dead_man=60.0) as there:
         yield there
 
 
-def wait_until(condition, timeout=5.0):
+@pytest.fixture
+def opened() -> Iterator[Callable[..., Robot]]:
+    """`open_robot`, closed again after the test."""
+    with contextlib.ExitStack() as stack:
+
+        def opening(*address: str, **settings: Any) -> Robot:
+            robot = open_robot(*address, **settings)
+            stack.callback(robot.close)
+            return robot
+
+        yield opening
+
+
+@pytest.fixture
+def careful() -> Iterator[UdpRobotSimulator]:
+    """One that soon stops by itself."""
+    with UdpRobotSimulator(dead_man=0.1) as there:
+        yield there
+
+
+def wait_until(condition, timeout=30.0):
     end = time.monotonic() + timeout
     while not condition() and time.monotonic() < end:
         time.sleep(0.005)
@@ -35,15 +57,15 @@ def datagrams(simulator: UdpRobotSimulator):
     """A bare socket to the robot: what a lab's own program would send."""
     there = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     there.connect(("127.0.0.1", simulator.port))
-    there.settimeout(5.0)
+    there.settimeout(30.0)
     return there
 
 
 # ------------------------------------------------------------------------------- over UDP
 
 
-def test_commands_arrive_as_they_were_sent(simulator):
-    robot = open_robot(simulator.address)
+def test_commands_arrive_as_they_were_sent(simulator, opened):
+    robot = opened(simulator.address)
     robot.send(0.2, -0.7)
     wait_until(lambda: simulator.velocity == (0.2, -0.7))
     robot.close()
@@ -51,8 +73,8 @@ def test_commands_arrive_as_they_were_sent(simulator):
     assert simulator.dead_man_stops == 0
 
 
-def test_the_simulated_robot_drives_the_arc_that_was_commanded(simulator):
-    robot = open_robot(simulator.address)
+def test_the_simulated_robot_drives_the_arc_that_was_commanded(simulator, opened):
+    robot = opened(simulator.address)
     robot.send(0.3, 1.0)
     time.sleep(0.05)
     robot.send(0.3, 1.0)
@@ -65,8 +87,8 @@ def test_the_simulated_robot_drives_the_arc_that_was_commanded(simulator):
     assert y == pytest.approx(0.3 * (1.0 - math.cos(theta)), abs=1e-12)
 
 
-def test_wheel_speeds_reach_a_robot_that_takes_them(simulator):
-    robot = open_robot(simulator.address, wheels=SMALL_ROBOT)
+def test_wheel_speeds_reach_a_robot_that_takes_them(simulator, opened):
+    robot = opened(simulator.address, wheels=SMALL_ROBOT)
     robot.send(0.2, 0.5)
     wait_until(lambda: simulator.velocity != (0.0, 0.0))
     assert simulator.velocity == pytest.approx((0.2, 0.5))
@@ -74,16 +96,16 @@ def test_wheel_speeds_reach_a_robot_that_takes_them(simulator):
     wait_until(lambda: simulator.velocity == (0.0, 0.0))
 
 
-def test_the_robot_stops_by_itself_when_no_command_comes(simulator):
-    robot = open_robot(simulator.address)
+def test_the_robot_stops_by_itself_when_no_command_comes(careful, opened):
+    robot = opened(careful.address)
     robot.send(0.3, 0.0)
-    wait_until(lambda: simulator.dead_man_stops == 1)
-    assert simulator.velocity == (0.0, 0.0)
-    assert simulator.pose[0] == pytest.approx(0.3 * 0.3, abs=1e-9)
+    wait_until(lambda: careful.dead_man_stops == 1)
+    assert careful.velocity == (0.0, 0.0)
+    assert careful.pose[0] == pytest.approx(0.3 * 0.1, abs=1e-9)
 
 
-def test_a_robot_that_falls_silent_is_reported_and_told_to_stand_still(simulator):
-    robot = open_robot(simulator.address, silence=0.1)
+def test_a_robot_that_falls_silent_is_reported_and_told_to_stand_still(simulator, opened):
+    robot = opened(simulator.address, silence=0.1)
     simulator.answers = False
 
     def drive():
@@ -97,14 +119,13 @@ def test_a_robot_that_falls_silent_is_reported_and_told_to_stand_still(simulator
     assert simulator.dead_man_stops == 0
 
 
-def test_a_robot_that_is_back_is_driven_on(simulator):
-    robot = open_robot(simulator.address, silence=0.05)
+def test_a_robot_that_is_back_is_driven_on(simulator, opened):
+    robot = opened(simulator.address, silence=0.05)
     simulator.answers = False
     for _ in range(3):
         robot.send(0.1, 0.0)
         time.sleep(0.02)
     with pytest.raises(RobotSilentError):
-        robot.send(0.1, 0.0)
         robot.send(0.1, 0.0)
     simulator.answers = True
     robot.stop()
@@ -113,9 +134,9 @@ def test_a_robot_that_is_back_is_driven_on(simulator):
     wait_until(lambda: simulator.velocity == (0.2, 0.0))
 
 
-def test_lost_datagrams_are_no_silence():
+def test_lost_datagrams_are_no_silence(opened):
     with UdpRobotSimulator(loss=0.3, seed=3) as simulator:
-        robot = open_robot(simulator.address)
+        robot = opened(simulator.address)
         for k in range(60):
             robot.send(0.1, 0.001 * k)
             time.sleep(0.002)
@@ -124,8 +145,8 @@ def test_lost_datagrams_are_no_silence():
         assert 20 < len(simulator.received) < 64
 
 
-def test_one_lost_datagram_before_a_long_pause_is_no_silence(simulator):
-    robot = open_robot(simulator.address, silence=0.05)
+def test_one_lost_datagram_before_a_long_pause_is_no_silence(simulator, opened):
+    robot = opened(simulator.address, silence=0.05)
     simulator.answers = False
     robot.send(0.1, 0.0)
     time.sleep(0.1)
@@ -136,8 +157,8 @@ def test_one_lost_datagram_before_a_long_pause_is_no_silence(simulator):
 
 
 @pytest.mark.parametrize("asked", [(math.nan, 0.1), (0.1, math.inf)])
-def test_what_is_no_number_is_sent_as_standing_still(simulator, asked):
-    robot = open_robot(simulator.address)
+def test_what_is_no_number_is_sent_as_standing_still(simulator, asked, opened):
+    robot = opened(simulator.address)
     robot.send(0.1, 0.1)
     wait_until(lambda: simulator.velocity == (0.1, 0.1))
     robot.send(*asked)
@@ -145,8 +166,8 @@ def test_what_is_no_number_is_sent_as_standing_still(simulator, asked):
     assert simulator.dead_man_stops == 0
 
 
-def test_stopping_never_raises_even_when_nothing_is_there(simulator):
-    robot = open_robot(simulator.address)
+def test_stopping_never_raises_even_when_nothing_is_there(simulator, opened):
+    robot = opened(simulator.address)
     simulator.close()
     for _ in range(3):
         robot.stop()
@@ -169,11 +190,11 @@ def test_a_command_that_was_overtaken_is_ignored(simulator):
     there.close()
 
 
-def test_after_a_pause_another_program_may_count_from_one(simulator):
-    there = datagrams(simulator)
+def test_after_a_pause_another_program_may_count_from_one(careful):
+    there = datagrams(careful)
     there.send(b'{"v": 0.1, "omega": 0.0, "seq": 1000}')
     there.recv(100)
-    wait_until(lambda: simulator.dead_man_stops == 1)
+    wait_until(lambda: careful.dead_man_stops == 1)
     there.send(b'{"v": 0.2, "omega": 0.0, "seq": 1}')
     assert there.recv(100) == b'{"ack":1}'
     there.close()
@@ -199,7 +220,7 @@ def test_what_is_no_command_is_neither_carried_out_nor_acknowledged(simulator, j
 def test_answers_that_make_no_sense_do_not_count():
     robot = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     robot.bind(("127.0.0.1", 0))
-    robot.settimeout(5.0)
+    robot.settimeout(30.0)
     link = UdpLink("127.0.0.1", robot.getsockname()[1], rest={"v": 0.0}, silence=0.05)
     link.send({"v": 1.0})
     data, sender = robot.recvfrom(1000)
@@ -223,7 +244,7 @@ def test_answers_that_make_no_sense_do_not_count():
      "udp://robot:port", "tcp://robot:5005", "udp://[::1:5005"],
 )  # fmt: skip
 def test_an_address_that_is_none_says_how_to_write_one(address):
-    with pytest.raises(InputError, match="robot = .*udp://host:port.*write for example"):
+    with pytest.raises(InputError, match=r"robot = .*udp://host:port.*write for example"):
         open_robot(address)
 
 
@@ -254,7 +275,7 @@ def test_a_port_in_use_is_refused(simulator):
 
 @pytest.mark.parametrize("numbers", [(0.0, 0.1), (0.1, -1.0), (math.nan, 0.1)])
 def test_wheels_without_size_are_refused(numbers):
-    with pytest.raises(InputError, match="wheel_radius|half_track"):
+    with pytest.raises(InputError, match=r"wheel_radius|half_track"):
         WheelBase(wheel_radius=numbers[0], half_track=numbers[1])
 
 
@@ -274,7 +295,7 @@ def test_a_wheel_robot_sends_what_gives_the_asked_velocity():
 
 @pytest.mark.parametrize("error", [OSError("unplugged"), RobotSilentError("no answer")])
 def test_stopping_a_wheel_robot_does_not_raise(error):
-    def broken(left: float, right: float) -> None:
+    def broken(*_: float) -> None:
         raise error
 
     robot = WheelRobot(broken, wheels=WheelBase(wheel_radius=0.1, half_track=0.1), limits=GENTLE)
@@ -286,17 +307,25 @@ def test_stopping_a_wheel_robot_does_not_raise(error):
 # ------------------------------------------------------------------------------- as a program
 
 
-def test_the_simulator_runs_as_a_program_and_says_where_it_listens():
-    command = [sys.executable, "-u", "-m", "parkproof.lab.robot_simulator", "--port", "0"]
+def test_the_simulator_runs_as_a_program_and_says_where_it_listens(opened):
+    # As with -m, but Ctrl-C works even if whoever runs the tests ignores it.
+    code = (
+        "import runpy, signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+        "runpy.run_module('parkproof.lab.robot_simulator', run_name='__main__')"
+    )
+    command = [sys.executable, "-c", code, "--port", "0"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
-        assert program.stdout is not None
-        address = program.stdout.readline().strip()
-        robot = open_robot(address, silence=5.0)
-        robot.send(0.2, 0.0)
-        assert program.stdout.readline().startswith("v = +0.200 m/s")
-        robot.close()
-        program.send_signal(signal.SIGINT)
-        assert program.wait(10.0) == 0
+        try:
+            assert program.stdout is not None
+            address = program.stdout.readline().strip()
+            robot = opened(address, silence=20.0)
+            robot.send(0.2, 0.0)
+            assert program.stdout.readline().startswith("v = +0.200 m/s")
+            robot.close()
+            program.send_signal(signal.SIGINT)
+            assert program.wait(30.0) == 0
+        finally:
+            program.kill()
 
 
 def test_the_simulator_as_a_program_refuses_a_bad_port_in_one_line():

@@ -129,8 +129,10 @@ class UdpRobotSimulator:
             family, kind, protocol, _, place = socket.getaddrinfo(
                 host, port, type=socket.SOCK_DGRAM
             )[0]
-            self._socket = socket.socket(family, kind, protocol)
-            self._socket.bind(place)
+            with contextlib.ExitStack() as stack:
+                self._socket = stack.enter_context(socket.socket(family, kind, protocol))
+                self._socket.bind(place)
+                stack.pop_all()
         except (OSError, OverflowError) as error:
             raise InputError(
                 f"port = {port}: cannot listen on {host}: {error}; write 0 for a free port"

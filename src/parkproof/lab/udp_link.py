@@ -78,8 +78,10 @@ class UdpLink:
             family, kind, protocol, _, place = socket.getaddrinfo(
                 host, port, type=socket.SOCK_DGRAM
             )[0]
-            self._socket = socket.socket(family, kind, protocol)
-            self._socket.connect(place)
+            with contextlib.ExitStack() as stack:
+                self._socket = stack.enter_context(socket.socket(family, kind, protocol))
+                self._socket.connect(place)
+                stack.pop_all()
         except (OSError, UnicodeError) as error:
             why = error.strerror if isinstance(error, OSError) else "no name of a host"
             raise InputError(
