@@ -42,8 +42,8 @@ def limited(
     (0.5, 0.5)
     >>> limited(0.4, 0.8, 0.0, 0.0, 0.1, limits)  # from rest: along the same circle
     (0.1, 0.2)
-    >>> limited(float("nan"), 0.8, 0.4, 0.8, 0.1, limits)
-    (0.3, 0.6)
+    >>> limited(float("nan"), 0.8, 0.5, 1.0, 0.25, limits)  # to rest, along the same circle
+    (0.25, 0.5)
     """
     if not (math.isfinite(v) and math.isfinite(omega)):
         v, omega = 0.0, 0.0

@@ -1,0 +1,207 @@
+"""A robot that is stopped whatever becomes of the program, and never sent more than it can do."""
+
+import atexit
+import math
+import signal
+import threading
+import time
+from types import FrameType, TracebackType
+from typing import Any, Self
+
+from parkproof.lab.devices import Clock, Robot, RobotLimits
+from parkproof.lab.limits import limited
+from parkproof.validate import positive
+
+SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")
+"""Ctrl-C, a request to end, a terminal that was closed. There is no SIGHUP on Windows."""
+
+
+class StoppingRobot:
+    """Wraps a robot: limits kept, and stopped when the program no longer drives it.
+
+    Every command goes through `parkproof.lab.limits.limited` first. The robot is stopped
+
+    - when nothing was sent for ``timeout`` s, by a thread, in real time;
+    - at the end of the ``with`` block, however it is left;
+    - on Ctrl-C, a request to end and a closed terminal, within a ``with`` block of the main thread:
+      at once, before anything else, and from then on it is only told to stand still. The handler
+      that was there before is called next; where there was none, `SystemExit` is raised, so that
+      everything is cleaned up. A signal that is ignored, as after nohup, stays ignored;
+    - when a command fails, and when the interpreter ends.
+
+    Against a program that is killed outright, or a cable that is pulled, only the robot itself can
+    do something: see the dead-man rule in `docs/lab-devices.md`.
+
+    Parameters
+    ----------
+    robot : Robot
+        What is driven. It must bear `stop` from another thread, and in the middle of `send`.
+    clock : Clock
+        By which changes of speed are limited.
+    timeout : float or None
+        Time without a command in s after which the robot is stopped. None for no such watch: for
+        worlds that are simulated at another pace.
+    longest_step : float
+        A command changes speed by no more than what the limits allow in this time, in s, however
+        long ago the last one was.
+
+    Raises
+    ------
+    InputError
+        If a time is not positive.
+
+    Attributes
+    ----------
+    stopped_by : str
+        The signal that stopped it for good, as in "SIGINT"; empty while none has.
+    late_stops : int
+        How often it was stopped because no command came.
+
+    Examples
+    --------
+    >>> from parkproof.lab.devices import WallClock
+    >>> from parkproof.lab.robot_simulator import UdpRobotSimulator
+    >>> from parkproof.lab.robots import open_robot
+    >>> with UdpRobotSimulator() as simulator:
+    ...     robot = open_robot(simulator.address)
+    ...     with StoppingRobot(robot, clock=WallClock(), timeout=0.3) as safe:
+    ...         safe.send(1e6, 0.0)
+    ...         abs(safe.sent[0]) <= 0.1  # what 1 m/s² allows in 0.1 s
+    True
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        *,
+        clock: Clock,
+        timeout: float | None = 0.3,
+        longest_step: float = 0.1,
+    ) -> None:
+        self._robot = robot
+        self._clock = clock
+        self._timeout = None if timeout is None else positive("timeout", timeout, example=0.3)
+        self._longest_step = positive("longest_step", longest_step, example=0.1)
+        self.stopped_by = ""
+        self.late_stops = 0
+        self._sent = (0.0, 0.0)
+        self._time = -math.inf
+        self._fed = time.monotonic()
+        self._lock = threading.RLock()  # a signal may arrive inside `send`, in the same thread
+        self._closed = threading.Event()
+        self._thread: threading.Thread | None = None
+        self._before: dict[signal.Signals, Any] = {}
+        atexit.register(self._robot.stop)
+
+    @property
+    def limits(self) -> RobotLimits:
+        """What the robot can do."""
+        return self._robot.limits
+
+    @property
+    def sent(self) -> tuple[float, float]:
+        """(v, ω) as last sent, within all limits."""
+        return self._sent
+
+    def send(self, v: float, omega: float) -> None:
+        """Send the nearest command within the limits; to stand still if a number is not finite.
+
+        Raises
+        ------
+        RobotSilentError
+            As the robot does; it has been told to stop.
+        """
+        with self._lock:
+            if self.stopped_by or self._closed.is_set():
+                self._robot.stop()
+                return
+            now = self._clock.now()
+            dt = min(now - self._time, self._longest_step)
+            self._watch()
+            self._sent = limited(v, omega, *self._sent, dt, self.limits)
+            self._time, self._fed = now, time.monotonic()
+            try:
+                self._robot.send(*self._sent)
+            except BaseException:
+                self.stop()
+                raise
+            self._fed = time.monotonic()
+            if self.stopped_by:  # a signal has come meanwhile, and its handler gone on
+                self.stop()
+
+    def stop(self) -> None:
+        """Stand still at once: not slowed down within the limits, for which send zeros."""
+        self._sent = (0.0, 0.0)
+        self._robot.stop()
+
+    def close(self) -> None:
+        """Stop, give the robot and the signals back. May be called twice."""
+        self.stop()
+        if self._closed.is_set():
+            return
+        self._closed.set()
+        for number, handler in self._before.items():
+            if signal.getsignal(number) == self._on_signal:
+                signal.signal(number, handler)
+        self._before.clear()
+        atexit.unregister(self._robot.stop)
+        if self._thread is not None:
+            self._thread.join(timeout=1.0)
+        self._robot.close()
+
+    def __enter__(self) -> Self:
+        if threading.current_thread() is threading.main_thread():
+            for number in (getattr(signal, name) for name in SIGNALS if hasattr(signal, name)):
+                before = signal.getsignal(number)
+                if before not in {signal.SIG_IGN, None}:
+                    self._before[number] = before
+                    signal.signal(number, self._on_signal)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _on_signal(self, number: int, frame: FrameType | None) -> None:
+        self.stopped_by = signal.Signals(number).name
+        self.stop()  # without the lock, which another thread may hold
+        before = self._before.get(signal.Signals(number))
+        if callable(before):
+            before(number, frame)
+        else:
+            raise SystemExit(128 + number)
+
+    def _watch(self) -> None:
+        """Have a thread that watches, also when an error of the robot has ended an earlier one."""
+        if self._timeout is not None and (self._thread is None or not self._thread.is_alive()):
+            self._thread = threading.Thread(
+                target=self._watching, args=(self._timeout,), name="watchdog", daemon=True
+            )
+            self._thread.start()
+
+    def _watching(self, timeout: float) -> None:
+        pause = timeout
+        while not self._closed.wait(pause):
+            left = self._fed + timeout - time.monotonic()
+            if self._sent == (0.0, 0.0):
+                pause = 0.5 * timeout
+            elif left > 0.0:
+                pause = left
+            else:
+                self._stop_late(timeout)
+                pause = 0.5 * timeout
+
+    def _stop_late(self, timeout: float) -> None:
+        """Stop, unless a command has come in between; do not wait for one that hangs."""
+        held = self._lock.acquire(timeout=0.1 * timeout)
+        try:
+            if not held or self._fed + timeout <= time.monotonic():
+                self.late_stops += 1
+                self.stop()
+        finally:
+            if held:
+                self._lock.release()
