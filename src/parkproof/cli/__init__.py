@@ -21,6 +21,8 @@ COMMANDS = {
     "verify": "Re-prove a certificate and print its theorem.",
     "tag": "Make a page with a tag to print, to scale.",
     "teach": "Take the goal from one picture of the parked robot.",
+    "lab": "Park a robot that a camera sees, simulated or real, from its pictures.",
+    "replay": "Carry out a recorded run of the laboratory again, and compare the commands.",
     "schema": "Print the JSON schema of scenario files or certificates, for editors.",
     "citation": "Print BibTeX for the paper and for this software.",
     "completion": "Print or install the completion script of a shell.",

@@ -7,11 +7,11 @@ commands, so that a recorded run can be carried out again.
 import enum
 import math
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 from parkproof.bounds import Bounds
 from parkproof.errors import InputError
 from parkproof.lab.devices import Frame, Missing, RobotLimits
+from parkproof.lab.entries import STEP_NAMES, Event
 from parkproof.lab.estimate import Estimate, Estimator, Sighting
 from parkproof.lab.goal import Goal
 from parkproof.lab.image_pose import ImagePose as PixelPose
@@ -24,9 +24,6 @@ from parkproof.lab.safety import Alarm, Guard, SafetyLimits
 from parkproof.lab.settings import LabSettings
 from parkproof.lab.tag import Detection, TagDetector, Unseen
 from parkproof.lab.view import ImageView
-
-STEPS = {-1: "straight leg", 0: "turn", 1: "run-up", 2: "approach", 3: "return", 4: "hold"}
-"""Names of the steps of the law."""
 
 ROOM = 0.12
 """How far the tag stays inside the border in a course, in goal units."""
@@ -65,24 +62,6 @@ class Phase(enum.Enum):
         return self.value
 
 
-class Event(NamedTuple):
-    """Something that happened.
-
-    Attributes
-    ----------
-    t : float
-        When, in s.
-    name : str
-        A short name, as "tag_lost".
-    sentence : str
-        In words.
-    """
-
-    t: float
-    name: str
-    sentence: str
-
-
 @dataclass(frozen=True)
 class Answer:
     """What a frame led to.
@@ -94,7 +73,7 @@ class Answer:
     v, omega : float
         The command, in m/s and rad/s.
     step : int
-        Step of the law; see `STEPS`.
+        Step of the law; see `parkproof.lab.entries.STEP_NAMES`; −1 on a straight leg.
     phase : Phase
         What the parker is doing.
     alarm : Alarm or None
@@ -105,6 +84,8 @@ class Answer:
         The tag, if it was seen.
     events : tuple of Event
         What happened.
+    foreseen : float
+        How long the course that is driven takes at most, as foreseen, in s.
     """
 
     t: float
@@ -116,6 +97,7 @@ class Answer:
     estimate: Estimate | None = None
     tag: Detection | None = None
     events: tuple[Event, ...] = ()
+    foreseen: float = math.nan
 
 
 @dataclass
@@ -225,6 +207,7 @@ class Parker:
             estimate,
             tag,
             tuple(memory.events),
+            math.nan if memory.course is None else memory.course.time,
         )
 
     def _look(
@@ -295,7 +278,7 @@ class Parker:
             now, dt, estimate.ahead, beta=estimate.beta, motion=estimate.motion
         )
         if asked.step != memory.step and asked.step >= 0:
-            self._tell(now, STEPS[asked.step].replace("-", "_"), f"step: {STEPS[asked.step]}")
+            self._tell(now, "step", f"step: {STEP_NAMES[asked.step]}")
         memory.step = asked.step
         if alarm := self._guard.of_motion(estimate, asked.v):
             self._stop(alarm, now)
@@ -322,7 +305,7 @@ class Parker:
         memory.plans += 1
         if course is None:
             memory.phase, memory.alarm = Phase.REFUSED, None
-            self._tell(now, "refused", Phase.REFUSED.sentence)
+            self._tell(now, "refused", Phase.REFUSED.sentence, level=2)
             return
         memory.course, memory.phase, memory.alarm = course, Phase.DRIVING, None
         memory.pilot = Pilot(
@@ -372,7 +355,7 @@ class Parker:
         if memory.phase is Phase.REFUSED:
             return
         if memory.alarm is not alarm:
-            self._tell(now, alarm.name.lower(), f"{alarm.sentence}: stopped")
+            self._tell(now, alarm.name.lower(), f"{alarm.sentence}: stopped", level=1)
         memory.alarm = alarm
         memory.right = 0
         if memory.phase is not Phase.WAITING:
@@ -381,5 +364,5 @@ class Parker:
     def _parked_sentence(self) -> str:
         return "parked" if self._now.phase is Phase.PARKED else "moved off the goal: correcting"
 
-    def _tell(self, t: float, name: str, sentence: str) -> None:
-        self._now.events.append(Event(t, name.replace(" ", "_"), sentence))
+    def _tell(self, t: float, name: str, sentence: str, *, level: int = 0) -> None:
+        self._now.events.append(Event(t=t, name=name, sentence=sentence, level=level))

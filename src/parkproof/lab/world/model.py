@@ -51,7 +51,8 @@ def tag_texture(tag_id: int) -> "NDArray[np.uint8]":
     cells = cv2.aruco.generateImageMarker(family, tag_id, TAG_CELLS)
     upright = np.rot90(cells, 2)  # OpenCV's are turned by 180° from the tag family's own
     framed = np.pad(upright, QUIET_CELLS, constant_values=255)
-    return np.ascontiguousarray(np.kron(framed, np.ones((CELL, CELL), np.uint8)))
+    texture: NDArray[np.uint8] = np.kron(framed, np.ones((CELL, CELL), np.uint8))
+    return texture
 
 
 def floor_texture(seed: int, size: int = 512) -> "NDArray[np.uint8]":
