@@ -43,8 +43,8 @@ def _root(a: float, b: float, c: float, d: float) -> float:
 class Differentiator:
     """Value, rate and acceleration of a signal whose third derivative is bounded.
 
-    Without noise they are exact after a finite time; with noise of size ε the rate errs by at most
-    about L^(1/3)·ε^(2/3).
+    Without noise, and at a constant period, they are exact after a finite time; with noise of size
+    ε the rate errs by at most about L^(1/3)·ε^(2/3).
 
     Parameters
     ----------
