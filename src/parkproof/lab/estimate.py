@@ -104,6 +104,10 @@ class Estimator:
         """How the robot answers to commands, as learnt so far."""
         return self._learnt.motion
 
+    def forget(self) -> None:
+        """Begin derivatives anew with the next sighting; what was learnt of the robot stays."""
+        self._last = None
+
     def update(self, seen: Sighting, history: CommandHistory, *, now: float) -> Estimate:
         """Take in a sighting.
 

@@ -256,7 +256,10 @@ class Parker:
         memory = self._now
         memory.right = memory.right + 1 if alarm is None else 0
         if alarm is not None:
-            if now - memory.seen <= self._safety.patience:
+            carried = alarm is Alarm.JUMP and self._guard.carried
+            if carried:
+                self._estimator.forget()
+            elif now - memory.seen <= self._safety.patience:
                 return memory.sent
             self._stop(alarm, now)
         elif (

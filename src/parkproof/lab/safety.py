@@ -88,6 +88,11 @@ class SafetyLimits:
 class Guard:
     """Watches frames and poses; holds those of the last frame that was right.
 
+    Attributes
+    ----------
+    carried : bool
+        Whether the last sighting made it believe that somebody carried the robot elsewhere.
+
     Parameters
     ----------
     safety : SafetyLimits
@@ -116,6 +121,7 @@ class Guard:
         self._last_stamp = -math.inf
         self._accepted: Sighting | None = None
         self._strange: list[Sighting] = []
+        self.carried = False
 
     def of_frame(self, frame: Frame, now: float) -> Alarm | None:
         """What is wrong with a frame's time.
@@ -153,14 +159,15 @@ class Guard:
         Alarm or None
             None if it can.
         """
+        self.carried = False
         if self._accepted is None or self._reachable(self._accepted, seen):
             self._accepted, self._strange = seen, []
             return None
         if self._strange and not self._reachable(self._strange[-1], seen):
             self._strange = []
         self._strange.append(seen)
-        if len(self._strange) > self._safety.recovery:
-            self._accepted, self._strange = seen, []
+        if len(self._strange) >= self._safety.recovery:
+            self._accepted, self._strange, self.carried = seen, [], True
         return Alarm.JUMP
 
     def _reachable(self, before: Sighting, seen: Sighting) -> bool:
