@@ -28,6 +28,10 @@ from parkproof.lab.view import ImageView
 ROOM = 0.12
 """How far the tag stays inside the border in a course, in goal units."""
 
+TRIED = ((1.0, ROOM, False), (0.2, ROOM, False), (0.0, 0.02, True))
+"""Shares of the motors' error, room at the border, and whether to search thoroughly, for the
+courses that are tried in turn."""
+
 TOLERANCE = 0.6
 """Tolerances of Steps 2 and 3, as a share of that of arrival."""
 
@@ -326,21 +330,26 @@ class Parker:
         )
 
     def _planned(self, estimate: Estimate, *, first: bool) -> Course | None:
-        """A course for all gains that are possible; failing that, for those that are likely."""
+        """A course for all gains that are possible; failing that, for those that are likely.
+
+        What then is not as foreseen, the guard at the border notices: it stops the robot, and
+        another course is chosen from there.
+        """
         local = self._reach * max(1.0, estimate.a * self._goal.mount.side)
-        margin = min(local + ROOM, self._view.clearance(estimate.pose.x, estimate.pose.y))
+        clearance = self._view.clearance(estimate.pose.x, estimate.pose.y)
         error = self._settings.motor_error if first else 0.5 * self._settings.motor_error
-        for share in (error, 0.2 * error):
+        for share, room, thorough in TRIED:
             task = Task(
                 view=self._view,
-                margin=margin,
+                margin=min(local + room, clearance),
                 limits=self._limits,
                 side=self._goal.mount.side,
-                bounds=self._bounds(share),
+                bounds=self._bounds(share * error),
                 arrival=self._arrival,
                 tolerance=(TOLERANCE * self._arrival.position,) * 2,
                 law=self._settings.law,
                 gains=self._settings.gains,
+                thorough=thorough,
             )
             course = plan_course(task, estimate.pose, estimate.motion)
             if course is not None:

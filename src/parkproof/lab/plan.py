@@ -21,15 +21,18 @@ from parkproof.lab.view import ImageView
 from parkproof.laws.gains import Gains, Switching
 from parkproof.laws.time_scale import scaled_approach, scaled_pair
 
-PACES = (1.0, 0.6)
-"""Time scales κ of Step 2 that are tried."""
+PACES, MORE_PACES = (1.0, 0.6), (1.0, 0.6, 0.35)
+"""Time scales κ of Step 2 that are tried, and those that a thorough search tries."""
 
-SLOPES = (2.0, 1.0, 0.5, 0.25, 0.15)
+SLOPES, MORE_SLOPES = (2.0, 1.0, 0.5, 0.25, 0.15), (2.0, 1.4, 1.0, 0.7, 0.5, 0.35, 0.25, 0.15)
 """κ/c: how steeply the path crosses over; the steeper, the less travel, the flatter, the farther
 from ±90°."""
 
 STAGES = ((0.0,), (1.0, -1.0), (2.0, -2.0), (3.0, -3.0), (4.5, -4.5))
 """Straight legs in goal units, those tried later only if no shorter one does."""
+
+MORE_STAGES = (*STAGES, (6.0, -6.0), (8.0, -8.0))
+"""Those that a thorough search tries."""
 
 HOLDING, RETURNING = 2.0, 1.0
 """Time scales of holding and turning, and of the return."""
@@ -71,6 +74,8 @@ class Task:
         The law.
     gains : Gains, optional
         Gains that are given; only direction and straight leg are chosen then.
+    thorough : bool
+        Whether to try more speeds, slopes and legs: a few seconds, where there is no course.
     """
 
     view: ImageView
@@ -82,6 +87,7 @@ class Task:
     tolerance: tuple[float, float]
     law: Literal["corrected", "homogeneous"] = "corrected"
     gains: Gains | None = None
+    thorough: bool = False
 
 
 def plan_course(task: Task, start: GoalPose, motion: Motion | None = None) -> Course | None:
@@ -113,7 +119,7 @@ def plan_course(task: Task, start: GoalPose, motion: Motion | None = None) -> Co
     True
     """
     motion = motion or Motion()
-    for stages in STAGES:
+    for stages in MORE_STAGES if task.thorough else STAGES:
         best: Course | None = None
         for course in _courses(task, stages):
             longest = best.time if best else LONGEST
@@ -130,7 +136,7 @@ def _courses(task: Task, stages: Sequence[float]) -> Iterator[Course]:
     across, along = task.tolerance
     directions: tuple[Literal["forward", "backward"], ...] = ("forward", "backward")
     for stage in stages:
-        for gains in [task.gains] if task.gains else _gains():
+        for gains in [task.gains] if task.gains else _gains(thorough=task.thorough):
             switching = Switching(
                 tolerance=(0.1 * gains.runup_speed, across, along),
                 hysteresis=3.0,
@@ -142,11 +148,11 @@ def _courses(task: Task, stages: Sequence[float]) -> Iterator[Course]:
                 yield Course(task.law, turned, switching, stage)
 
 
-def _gains() -> Iterator[Gains]:
+def _gains(*, thorough: bool) -> Iterator[Gains]:
     """The paper's Step 2 at several speeds and slopes, with fast holding."""
     base = Gains()
-    for pace in PACES:
-        for slope in SLOPES:
+    for pace in MORE_PACES if thorough else PACES:
+        for slope in MORE_SLOPES if thorough else SLOPES:
             cruise = pace / slope
             if CRUISE[0] <= cruise <= CRUISE[1]:
                 yield Gains(
