@@ -16,6 +16,28 @@ def _run():
 
 
 @cache
+def _lab_run():
+    from parkproof.lab.summary import FrameCounts, LabRun, Sample, Setting
+
+    columns = {name: values[::3].tolist() for name, values in _run().trajectory.items()}
+    names = {"t": "t", "x0": "x0", "x1": "x1", "psi": "theta", "step": "step"}
+    names |= {"v": "v", "omega": "omega"}
+    samples = [
+        Sample(**{name: columns[column][i] for name, column in names.items()})
+        for i in range(len(columns["t"]))
+    ]
+    return LabRun(
+        scenario=Setting(law="corrected", title="Example"),
+        outcome=_run().outcome,
+        parked=True,
+        ended=_run().ended,
+        samples=samples,
+        frames=FrameCounts(seen=len(samples)),
+        latencies=[0.004],
+    )
+
+
+@cache
 def _evidence():
     from parkproof.report.evidence import figure_runs, gather
 
@@ -33,6 +55,8 @@ def _names_of_examples(request, monkeypatch, tmp_path):
     names["directory"] = tmp_path
     if "run)" in text or "run," in text or "run." in text:
         names["run"] = _run()
+    if "lab_run" in text:
+        names["lab_run"] = _lab_run()
     if "axes" in text or "figure" in text:
         from parkproof.report.style import new_figure
 

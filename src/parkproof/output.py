@@ -1,7 +1,11 @@
-"""Directories of results: whole or not there at all, and nothing but a result is ever replaced."""
+"""Directories of results: whole or not there at all, and nothing but a result is ever replaced.
+
+And single files, whole or not there at all.
+"""
 
 import contextlib
 import errno
+import os
 import secrets
 import shutil
 from collections.abc import Iterator
@@ -80,6 +84,68 @@ def output_directory(path: Path | str, *, overwrite: bool = False) -> Iterator[P
         for parent in made:
             with contextlib.suppress(OSError):  # no longer empty: the result is in it
                 parent.rmdir()
+
+
+def write_whole(path: Path | str, content: str | bytes) -> None:
+    """Write a file that appears only when it is complete; one that was there is replaced.
+
+    Parameters
+    ----------
+    path : Path or str
+        The file; its folder exists.
+    content : str or bytes
+        What to write; text as UTF-8.
+
+    Raises
+    ------
+    InputError
+        If it cannot be written; a file that was there before is then as it was.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_whole(Path(folder) / "goal.json", "{}")
+    ...     (Path(folder) / "goal.json").read_text()
+    '{}'
+    """
+    try:
+        replace_file(Path(path).resolve(), content)
+    except (OSError, RuntimeError) as error:
+        raise _as_input_error(path, error) from error
+
+
+def replace_file(target: Path, content: str | bytes) -> None:
+    """Write a file beside its place, and move it there when it is on the disk.
+
+    Parameters
+    ----------
+    target : Path
+        The file, with links resolved.
+    content : str or bytes
+        What to write; text as UTF-8.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written; nothing is left of it.
+
+    Examples
+    --------
+    >>> replace_file(directory / "note.txt", "done")
+    >>> [path.name for path in directory.iterdir()]
+    ['note.txt']
+    """
+    work = _sibling(target, "new")
+    try:
+        with work.open("xb") as file:
+            file.write(content.encode() if isinstance(content, str) else content)
+            file.flush()
+            os.fsync(file.fileno())
+        work.replace(target)
+    finally:
+        with contextlib.suppress(OSError):  # it has taken its name, or was never made
+            work.unlink()
 
 
 def _sibling(target: Path, purpose: str) -> Path:

@@ -1,6 +1,7 @@
 """The files of a run: summary.json and trajectory.parquet."""
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +25,9 @@ __all__ = [
     "notes_of",
     "output_directory",
     "read_trajectory",
+    "strict",
     "summary_of",
+    "write_columns",
     "write_summary",
     "write_trajectory",
 ]
@@ -216,16 +219,32 @@ def summary_of(run: "Run") -> dict[str, Any]:
         "seed": [signal.seed for signal in signals if isinstance(signal, Noise)],
         "scenario": resolved(scenario),
     }
-    strict: dict[str, Any] = _strict(summary)
-    return strict
+    plain: dict[str, Any] = strict(summary)
+    return plain
 
 
-def _strict(value: Any) -> Any:
-    """The same with None for NaN and infinity, which JSON does not have."""
+def strict(value: Any) -> Any:
+    """Replace NaN and infinity, which JSON does not have, by None.
+
+    Parameters
+    ----------
+    value : object
+        Numbers, strings, lists, tuples and dicts of them.
+
+    Returns
+    -------
+    object
+        The same without them.
+
+    Examples
+    --------
+    >>> strict({"a": [1.0, float("nan")]})
+    {'a': [1.0, None]}
+    """
     if isinstance(value, dict):
-        return {key: _strict(item) for key, item in value.items()}
+        return {key: strict(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_strict(item) for item in value]
+        return [strict(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
@@ -283,13 +302,41 @@ def write_trajectory(run: "Run", path: Path | str) -> None:
     --------
     >>> write_trajectory(run, directory / "trajectory.parquet")
     """
+    scenario = run.scenario
+    rows = _rows(run.trajectory["t"], scenario.run.record_period)
+    columns = {name: values[rows] for name, values in run.trajectory.items()}
+    write_columns(columns, path, law=scenario.law, title=scenario.title)
+
+
+def write_columns(
+    columns: "Mapping[str, NDArray[Any]]", path: Path | str, *, law: str, title: str
+) -> None:
+    """Write the columns of a trajectory as Parquet.
+
+    Parameters
+    ----------
+    columns : mapping of str to array
+        One array a column, all of one length; see `parkproof.simulation.run.COLUMNS`.
+    path : Path or str
+        The file, usually trajectory.parquet. Its metadata hold the unit of each column, the law,
+        the title and the version.
+    law, title : str
+        Of the run.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written; `output_directory` turns it into an `InputError`.
+
+    Examples
+    --------
+    >>> write_columns(run.trajectory, directory / "trajectory.parquet", law="corrected", title="")
+    """
     import pyarrow as pa
     from pyarrow import parquet
 
     from parkproof.simulation.run import COLUMNS
 
-    scenario = run.scenario
-    rows = _rows(run.trajectory["t"], scenario.run.record_period)
     schema = pa.schema(
         [
             pa.field(
@@ -299,9 +346,9 @@ def write_trajectory(run: "Run", path: Path | str) -> None:
             )
             for name in COLUMNS
         ],
-        metadata={"parkproof": __version__, "law": scenario.law, "title": scenario.title},
+        metadata={"parkproof": __version__, "law": law, "title": title},
     )
-    table = pa.table([run.trajectory[name][rows] for name in COLUMNS], schema=schema)
+    table = pa.table([columns[name] for name in COLUMNS], schema=schema)
     parquet.write_table(
         table,
         str(path),

@@ -1,12 +1,10 @@
 """Single files that a command writes: whole or not there at all."""
 
-import contextlib
-import os
-import secrets
 from pathlib import Path
 
 from parkproof.cli.errors import why_not
 from parkproof.errors import InputError
+from parkproof.output import replace_file
 
 
 def check_target(path: Path, *, overwrite: bool) -> None:
@@ -41,15 +39,15 @@ def check_target(path: Path, *, overwrite: bool) -> None:
         raise InputError(f"{path}: there is no folder {path.parent}; make it, or choose another")
 
 
-def write_file(path: Path, text: str, *, overwrite: bool) -> None:
-    """Write a text file that appears only when it is complete.
+def write_file(path: Path, content: str | bytes, *, overwrite: bool) -> None:
+    """Write a file that appears only when it is complete.
 
     Parameters
     ----------
     path : Path
         The file. Devices and pipes, such as /dev/stdout, are written to as they are.
-    text : str
-        What to write, as UTF-8.
+    content : str or bytes
+        What to write; text as UTF-8.
     overwrite : bool
         Whether an existing file may be replaced.
 
@@ -70,27 +68,14 @@ def write_file(path: Path, text: str, *, overwrite: bool) -> None:
         if path.is_dir():
             raise InputError(f"{path} is a directory; name a file in it, {path / 'scenario.toml'}")
         if path.exists() and not path.is_file():
-            path.write_text(text, encoding="utf-8")
+            path.write_bytes(content.encode() if isinstance(content, str) else content)
             return
         if path.exists() and not overwrite:
             raise InputError(
                 f"{path} already exists; write --overwrite to replace it, or choose another file"
             )
-        _write_whole(path.resolve(), text)
+        replace_file(path.resolve(), content)
     except (OSError, RuntimeError) as error:  # RuntimeError: links that go round in a circle
         cause = error.strerror if isinstance(error, OSError) else str(error)
         number = error.errno if isinstance(error, OSError) else None
         raise InputError(why_not(OSError(number, cause, str(path)))) from error
-
-
-def _write_whole(target: Path, text: str) -> None:
-    work = target.with_name(f".{target.name[:100]}.new-{secrets.token_hex(4)}")
-    try:
-        with work.open("x", encoding="utf-8") as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        work.replace(target)
-    finally:
-        with contextlib.suppress(OSError):  # it has taken its name, or was never made
-            work.unlink()

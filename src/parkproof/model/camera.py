@@ -273,12 +273,7 @@ class PinholeCamera:
                 f"height = {self.height}: the camera must be above the tag's plane, which is at "
                 f"plane_height = {plane_height}; write for example height = {plane_height + 2.5}"
             )
-        cp, sp = math.cos(self.pan), math.sin(self.pan)
-        ct, st = math.cos(self.tilt), math.sin(self.tilt)
-        cr, sr = math.cos(self.roll), math.sin(self.roll)
-        right, down, forward = (cp, sp, 0.0), (ct * sp, -ct * cp, -st), (-st * sp, st * cp, -ct)
-        axis_u = tuple(cr * r + sr * d for r, d in zip(right, down, strict=True))
-        axis_v = tuple(cr * d - sr * r for r, d in zip(right, down, strict=True))
+        axis_u, axis_v, forward = self.axes
         drop = (-self.position[0], -self.position[1], plane_height - self.height)
 
         def row(axis: Sequence[float]) -> tuple[float, float, float]:
@@ -289,6 +284,17 @@ class PinholeCamera:
         f = self.focal_length
         intrinsics = Homography((f, self.skew, u0, 0.0, f * self.aspect, v0, 0.0, 0.0, 1.0))
         return intrinsics @ Homography((*row(axis_u), *row(axis_v), *row(forward)))
+
+    @property
+    def axes(self) -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]:
+        """Directions on the floor, and up, of the picture's u and v and of the optical axis."""
+        cp, sp = math.cos(self.pan), math.sin(self.pan)
+        ct, st = math.cos(self.tilt), math.sin(self.tilt)
+        cr, sr = math.cos(self.roll), math.sin(self.roll)
+        right, down, forward = (cp, sp, 0.0), (ct * sp, -ct * cp, -st), (-st * sp, st * cp, -ct)
+        axis_u = tuple(cr * r + sr * d for r, d in zip(right, down, strict=True))
+        axis_v = tuple(cr * d - sr * r for r, d in zip(right, down, strict=True))
+        return axis_u, axis_v, forward
 
     def corners(self) -> tuple[tuple[float, float], ...]:
         """Corners of the picture, in order around it.

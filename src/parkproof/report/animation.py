@@ -15,6 +15,7 @@ from parkproof.report.style import (
     MUTED,
     STEP_COLOURS,
     VERMILION,
+    DrawnRun,
     drawing,
     new_figure,
     step_names,
@@ -25,8 +26,6 @@ from parkproof.report.style import (
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from parkproof.simulation.run import Run
-
 FINAL_PAUSE = 1500
 """Milliseconds for which the last frame stays."""
 
@@ -34,7 +33,7 @@ SHADES = 16
 """Shades of each colour in a GIF, for smooth edges."""
 
 
-def animation(run: "Run", path: Path | str, *, seconds: float = 8.0, fps: int = 15) -> None:
+def animation(run: DrawnRun, path: Path | str, *, seconds: float = 8.0, fps: int = 15) -> None:
     """Draw a run as an animated GIF: the robot, its trail, the step it is in and the time.
 
     The time from the start until a little after the robot parked (or until the end of the run, or
@@ -42,7 +41,7 @@ def animation(run: "Run", path: Path | str, *, seconds: float = 8.0, fps: int = 
 
     Parameters
     ----------
-    run : Run
+    run : DrawnRun
         The run.
     path : Path or str
         The file.
@@ -80,7 +79,7 @@ def _palette() -> Image.Image:
     return palette
 
 
-def _frames(run: "Run", count: int) -> list[Image.Image]:
+def _frames(run: DrawnRun, count: int) -> list[Image.Image]:
     """The frames: a still background, and robot, trail and words drawn over a copy of it."""
     (x_low, x_high, y_low, y_high), _ = window_of(run)
     width = 6.8
@@ -135,7 +134,7 @@ def _frames(run: "Run", count: int) -> list[Image.Image]:
     return frames
 
 
-def _last_seen(run: "Run", axes: "Axes") -> float:
+def _last_seen(run: DrawnRun, axes: "Axes") -> float:
     """Time by which the robot has left the panel for good, with a little to spare; in s."""
     x, y, t = (run.trajectory[name] for name in ("xm", "ym", "t"))
     (x_low, x_high), (y_low, y_high) = axes.get_xlim(), axes.get_ylim()

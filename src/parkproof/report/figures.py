@@ -16,6 +16,7 @@ from parkproof.report.style import (
     MUTED,
     STEP_COLOURS,
     Array,
+    DrawnRun,
     band,
     drawing,
     new_figure,
@@ -31,8 +32,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from parkproof.simulation.run import Run
-
 FIGURES: dict[int, tuple[tuple[str, ...], str]] = {
     3: (("x0", "u0"), "The states x0 and u0"),
     4: (("x1", "x2", "u1"), "The states x1, x2 and u1"),
@@ -43,8 +42,12 @@ FIGURES: dict[int, tuple[tuple[str, ...], str]] = {
 }
 """Columns and axis label of each figure of the paper."""
 
-LABELS = {"xm": "x_m", "ym": "y_m", "theta": "θ", "tau1": "τ1", "tau2": "τ2"}
+LABELS = {
+    "xm": "x_m", "ym": "y_m", "theta": "θ", "tau1": "τ1", "tau2": "τ2", "omega": "ω",
+}  # fmt: skip
 """How a column is called in a legend, where it is not its name."""
+
+INPUTS = ("tau1", "tau2")
 
 INPUT_FRAME = 20.0
 """The paper's Figure 5 reaches to about this."""
@@ -63,15 +66,19 @@ ROUND = [float(f"{m}e{i}") for i in range(-12, 13) for m in (1, 2, 5)]
 """Round numbers for ticks."""
 
 
-def paper_figures(run: "Run", directory: Path | str, *, until: float | None = None) -> list[Path]:
+def paper_figures(
+    run: DrawnRun, directory: Path | str, *, until: float | None = None
+) -> list[Path]:
     """Draw Figures 3 to 8 of the paper as PNG and SVG.
+
+    Figure 5 is left out for a robot that takes velocities: it has no inputs τ.
 
     Where a run later leaves the range that it kept to until Step 2 ended, the axis stays linear
     inside that range and is logarithmic beyond it (shaded), so that both can be read.
 
     Parameters
     ----------
-    run : Run
+    run : DrawnRun
         The run.
     directory : Path or str
         Where figure3.png to figure8.svg go; it exists.
@@ -90,6 +97,8 @@ def paper_figures(run: "Run", directory: Path | str, *, until: float | None = No
     """
     files = []
     for number, (columns, label) in FIGURES.items():
+        if columns == INPUTS and not has_inputs(run):
+            continue
         with drawing():
             figure = new_figure(6.4, 4.0)
             _figure(figure, run, columns, label, until)
@@ -100,7 +109,7 @@ def paper_figures(run: "Run", directory: Path | str, *, until: float | None = No
 
 
 def _figure(
-    figure: "Figure", run: "Run", columns: tuple[str, ...], label: str, until: float | None
+    figure: "Figure", run: DrawnRun, columns: tuple[str, ...], label: str, until: float | None
 ) -> None:
     """One figure of the paper: the inputs, which chatter, in a panel each, the rest in one."""
     figure.text(0.018, 0.5, label, rotation=90, ha="center", va="center", fontsize=10)
@@ -134,14 +143,14 @@ def _name_lines(axes: "Axes", *, lift: float) -> None:
     )  # fmt: skip
 
 
-def draw_step_strip(axes: "Axes", run: "Run", *, until: float | None = None) -> None:
+def draw_step_strip(axes: "Axes", run: DrawnRun, *, until: float | None = None) -> None:
     """Draw which step the law was in as a strip of colours over time.
 
     Parameters
     ----------
     axes : Axes
         A flat panel above another.
-    run : Run
+    run : DrawnRun
         The run.
     until : float, optional
         End of the time axis in s; default the end of the run.
@@ -160,7 +169,7 @@ def draw_step_strip(axes: "Axes", run: "Run", *, until: float | None = None) -> 
     axes.set_axis_off()
 
 
-def _frame(axes: "Axes", run: "Run", until: float | None) -> None:
+def _frame(axes: "Axes", run: DrawnRun, until: float | None) -> None:
     """Time axis, zero line, and a light line at each change of step."""
     t = run.trajectory["t"]
     end = until or float(t[-1])
@@ -172,7 +181,7 @@ def _frame(axes: "Axes", run: "Run", until: float | None) -> None:
 
 
 def draw_states(
-    axes: "Axes", run: "Run", columns: tuple[str, ...], *, until: float | None = None
+    axes: "Axes", run: DrawnRun, columns: tuple[str, ...], *, until: float | None = None
 ) -> list[str]:
     """Draw states over time.
 
@@ -180,7 +189,7 @@ def draw_states(
     ----------
     axes : Axes
         Where.
-    run : Run
+    run : DrawnRun
         The run.
     columns : tuple of str
         Names of columns.
@@ -211,7 +220,7 @@ def draw_states(
 
 
 def draw_inputs(
-    axes: "Axes", run: "Run", columns: tuple[str, ...], *, until: float | None = None
+    axes: "Axes", run: DrawnRun, columns: tuple[str, ...], *, until: float | None = None
 ) -> list[str]:
     """Draw inputs over time: their mean as a line, all that they do in between as a band.
 
@@ -219,7 +228,7 @@ def draw_inputs(
     ----------
     axes : Axes
         Where.
-    run : Run
+    run : DrawnRun
         The run.
     columns : tuple of str
         "tau1", "tau2" or both.
@@ -252,6 +261,27 @@ def draw_inputs(
             notes = [f"Line: mean; band: range in {lasts:.0f} ms."]
         axes.plot(middle, mean, color=colour, lw=1.1, label=LABELS[name])
     return notes + _limit(axes, lines, INPUT_FRAME)
+
+
+def has_inputs(run: DrawnRun) -> bool:
+    """Whether a run has inputs τ; a robot that takes velocities has none.
+
+    Parameters
+    ----------
+    run : DrawnRun
+        The run.
+
+    Returns
+    -------
+    bool
+        True if there are any.
+
+    Examples
+    --------
+    >>> has_inputs(run)
+    True
+    """
+    return any(bool(np.isfinite(run.trajectory[name]).any()) for name in INPUTS)
 
 
 def _largest(values: Array) -> float:
@@ -302,12 +332,12 @@ def _outer_ticks(frame: float, end: float) -> list[float]:
     return powers[:: -max(1, math.ceil(len(powers) / 2))] or fitting[-1:]
 
 
-def plot(run: "Run", path: Path | str | None = None) -> "Figure":
-    """Draw one overview of a run: its path in the image, its states and its inputs.
+def plot(run: DrawnRun, path: Path | str | None = None) -> "Figure":
+    """Draw one overview of a run: its path in the image, its states, its inputs or velocities.
 
     Parameters
     ----------
-    run : Run
+    run : DrawnRun
         The run.
     path : Path or str, optional
         A file to save it in; its ending says in which format.
@@ -327,10 +357,11 @@ def plot(run: "Run", path: Path | str | None = None) -> "Figure":
     with drawing():
         figure = new_figure(11.0, 5.8)
         draw_path(figure.add_axes((0.06, 0.09, 0.44, 0.74)), run)
-        panels = (("x0", "u0"), ("x1", "x2", "u1"), ("tau1", "tau2"))
+        last = INPUTS if has_inputs(run) else ("v", "omega")
+        panels = (("x0", "u0"), ("x1", "x2", "u1"), last)
         for i, columns in enumerate(panels):
             axes = figure.add_axes((0.57, 0.66 - 0.285 * i, 0.415, 0.225))
-            draw = draw_inputs if columns[0] == "tau1" else draw_states
+            draw = draw_inputs if columns == INPUTS else draw_states
             notes = draw(axes, run, columns, until=until)
             axes.tick_params(labelbottom=i == 2)
             _name_lines(axes, lift=0.02)

@@ -16,6 +16,7 @@ from parkproof.report.style import (
     STEP_COLOURS,
     VERMILION,
     Array,
+    DrawnRun,
     drawing,
     new_figure,
     save,
@@ -26,8 +27,6 @@ from parkproof.report.style import (
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-    from parkproof.simulation.run import Run
 
 BEYOND = 3.0
 """A path that grows to this many times its size at the end of Step 2 is not shown whole."""
@@ -43,12 +42,12 @@ Rows = NDArray[np.intp]
 Flags = NDArray[np.bool_]
 
 
-def window_of(run: "Run") -> tuple[Window, bool]:
+def window_of(run: DrawnRun) -> tuple[Window, bool]:
     """Part of the image plane to show, and whether the path stays in it.
 
     Parameters
     ----------
-    run : Run
+    run : DrawnRun
         The run.
 
     Returns
@@ -98,14 +97,14 @@ def _filled(window: Window, width: float, height: float) -> Window:
     return x - half_x, x + half_x, y - half_y, y + half_y
 
 
-def frame_path(axes: "Axes", run: "Run") -> float:
+def frame_path(axes: "Axes", run: DrawnRun) -> float:
     """Set up a panel of the image plane: limits, labels, goal, view.
 
     Parameters
     ----------
     axes : Axes
         The panel, in its place.
-    run : Run
+    run : DrawnRun
         The run.
 
     Returns
@@ -129,23 +128,24 @@ def frame_path(axes: "Axes", run: "Run") -> float:
     if outline := run.scenario.view_outline:
         axes.add_patch(Polygon(outline, fc="none", ec=VERMILION, lw=1.1, ls="--"))
         topmost = max(outline, key=lambda corner: (corner[1], corner[0]))
+        left = 2.0 * topmost[0] < min(x for x, _ in outline) + max(x for x, _ in outline)
         axes.annotate(
             "camera's view", topmost, xytext=(0, 3), textcoords="offset points",
-            ha="right", va="bottom", fontsize=8, color=VERMILION,
+            ha="left" if left else "right", va="bottom", fontsize=8, color=VERMILION,
         )  # fmt: skip
     length = ROBOT_INCHES / height * (y_high - y_low)
     draw_robot(axes, (0.0, 0.0, 0.0), length=length, colour=INK, ghost=True, zorder=6.0)
     return length
 
 
-def draw_path(axes: "Axes", run: "Run") -> None:
+def draw_path(axes: "Axes", run: DrawnRun) -> None:
     """Draw the path of a run, coloured by step, with the robot along it.
 
     Parameters
     ----------
     axes : Axes
         The panel, in its place.
-    run : Run
+    run : DrawnRun
         The run.
 
     Examples
@@ -243,7 +243,7 @@ def _mark_travel(
         )  # fmt: skip
 
 
-def _mark_turns(axes: "Axes", run: "Run", length: float) -> None:
+def _mark_turns(axes: "Axes", run: DrawnRun, length: float) -> None:
     """Draw an arc where the robot turned on the spot, from its first heading to its last."""
     x, y, theta = (run.trajectory[name] for name in ("xm", "ym", "theta"))
     for step, first, last in stretches_of_steps(run.trajectory["step"]):
@@ -261,7 +261,7 @@ def _mark_turns(axes: "Axes", run: "Run", length: float) -> None:
         )  # fmt: skip
 
 
-def _name_ends(axes: "Axes", run: "Run", length: float) -> None:
+def _name_ends(axes: "Axes", run: DrawnRun, length: float) -> None:
     """Name start and goal, on opposite sides where they are close together."""
     x, y = float(run.trajectory["xm"][0]), float(run.trajectory["ym"][0])
     close = math.hypot(x, y) < 2.5 * length
@@ -277,7 +277,7 @@ def _name_ends(axes: "Axes", run: "Run", length: float) -> None:
         )  # fmt: skip
 
 
-def _mark_exit(axes: "Axes", run: "Run", x: Array, y: Array) -> None:
+def _mark_exit(axes: "Axes", run: DrawnRun, x: Array, y: Array) -> None:
     """Say when the path leaves the panel, if it does, and how far it gets; in the freest corner."""
     xm, ym, t = (run.trajectory[name] for name in ("xm", "ym", "t"))
     outside = np.flatnonzero(~_inside(axes, xm, ym))
@@ -307,7 +307,7 @@ def _mark_exit(axes: "Axes", run: "Run", x: Array, y: Array) -> None:
     )  # fmt: skip
 
 
-def path_picture(run: "Run", path: Path | str) -> None:
+def path_picture(run: DrawnRun, path: Path | str) -> None:
     """Draw the path of a run in the image plane, with the robot along it and the goal.
 
     Both axes have one scale. The window shows the whole path unless it grows far beyond what it was
@@ -315,7 +315,7 @@ def path_picture(run: "Run", path: Path | str) -> None:
 
     Parameters
     ----------
-    run : Run
+    run : DrawnRun
         The run.
     path : Path or str
         The file; its ending says in which format (PNG at 200 dots per inch).

@@ -5,7 +5,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import matplotlib as mpl
 import numpy as np
@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from parkproof.simulation.run import Run
+    from parkproof.simulation.metrics import Metrics
+    from parkproof.simulation.run import SettlingTime
 
 Array = NDArray[np.float64]
 
@@ -34,6 +35,7 @@ STEP_COLOURS = {0: PURPLE, 1: AMBER, 2: BLUE, 3: GREEN, 4: GREY}
 COLUMN_COLOURS = {
     "x0": BLUE, "u0": VERMILION, "x1": BLUE, "x2": VERMILION, "u1": GREEN,
     "xm": BLUE, "ym": BLUE, "theta": BLUE, "tau1": BLUE, "tau2": VERMILION,
+    "v": BLUE, "omega": VERMILION,
 }  # fmt: skip
 
 STYLE: Any = {
@@ -64,6 +66,63 @@ STYLE: Any = {
 
 MAX_POINTS = 2000
 """A line is drawn with at most this many points."""
+
+
+class Setting(Protocol):
+    """What pictures need to know of a run's setting."""
+
+    @property
+    def title(self) -> str:
+        """What it is called."""
+
+    @property
+    def law(self) -> str:
+        """Its law."""
+
+    @property
+    def view_outline(self) -> tuple[tuple[float, float], ...]:
+        """Corners of what the camera sees."""
+
+
+class Ending(Protocol):
+    """How a run ended."""
+
+    @property
+    def value(self) -> str:
+        """In a word or two."""
+
+    @property
+    def sentence(self) -> str:
+        """In words."""
+
+
+class DrawnRun(Protocol):
+    """A run as pictures need it: simulated, or of the laboratory."""
+
+    @property
+    def scenario(self) -> Setting:
+        """Title, law and view."""
+
+    @property
+    def outcome(self) -> Ending:
+        """How it ended."""
+
+    @property
+    def ended(self) -> float:
+        """When it ended, in s."""
+
+    @property
+    def settling_time(self) -> "SettlingTime":
+        """When its steps ended."""
+
+    @property
+    def metrics(self) -> "Metrics":
+        """Its metrics."""
+
+    @property
+    def trajectory(self) -> dict[str, NDArray[Any]]:
+        """Its columns."""
+
 
 _LOCK = threading.RLock()
 
@@ -201,12 +260,12 @@ def band(t: Array, y: Array, *, stretches: int = 700) -> tuple[Array, Array, Arr
     )
 
 
-def title_of(run: "Run") -> str:
+def title_of(run: DrawnRun) -> str:
     """What a picture of a run is called.
 
     Parameters
     ----------
-    run : Run
+    run : DrawnRun
         The run.
 
     Returns
@@ -268,12 +327,12 @@ def stretches_of_steps(step: NDArray[Any]) -> list[tuple[int, int, int]]:
     return [(int(step[a]), a, b) for a, b in zip(starts, ends, strict=True)]
 
 
-def time_of_interest(run: "Run") -> float:
+def time_of_interest(run: DrawnRun) -> float:
     """Time by which all that can be seen has happened.
 
     Parameters
     ----------
-    run : Run
+    run : DrawnRun
         The run.
 
     Returns
@@ -290,14 +349,14 @@ def time_of_interest(run: "Run") -> float:
     return run.ended if total is None else min(run.ended, 1.15 * total + 0.3)
 
 
-def step_legend(axes: "Axes", run: "Run", **options: Any) -> None:
+def step_legend(axes: "Axes", run: DrawnRun, **options: Any) -> None:
     """Name the steps that a run went through, by colour.
 
     Parameters
     ----------
     axes : Axes
         Where.
-    run : Run
+    run : DrawnRun
         The run.
     **options
         To `Axes.legend`.

@@ -1,0 +1,290 @@
+"""The loop of the laboratory: a frame in, a command out, until the robot is parked and held."""
+
+import enum
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import msgspec
+
+from parkproof.lab.devices import Camera, Clock, Frame, Missing, Robot, RobotSilentError
+from parkproof.lab.entries import Event
+from parkproof.lab.goal import Goal
+from parkproof.lab.parker import Answer, Parker, Phase
+from parkproof.lab.record import Recorder
+from parkproof.lab.safety import SafetyLimits
+from parkproof.lab.settings import LabSettings
+from parkproof.lab.summary import FrameCounts, Sample
+from parkproof.lab.watchdog import StoppingRobot
+
+DEAD_MAN = 0.3
+"""Time without a command in s after which a thread stops a real robot."""
+
+PATIENCE = 1.5
+"""How many frame periods the camera is waited for."""
+
+
+class LabOutcome(enum.Enum):
+    """How a run of the laboratory ended.
+
+    Examples
+    --------
+    >>> LabOutcome.REFUSED.sentence
+    'Refused before it moved: no course from the start stays inside the picture.'
+    """
+
+    PARKED = "parked"
+    REFUSED = "refused"
+    GAVE_UP = "gave up"
+    STILL_MOVING = "still moving"
+    NEVER_SEEN = "never seen"
+    CAMERA_ENDED = "camera ended"
+    ROBOT_SILENT = "robot silent"
+    INTERRUPTED = "interrupted"
+
+    @property
+    def sentence(self) -> str:
+        """In words."""
+        return _SENTENCES[self]
+
+
+_SENTENCES = {
+    LabOutcome.PARKED: "Parked, and held there.",
+    LabOutcome.REFUSED: (
+        "Refused before it moved: no course from the start stays inside the picture."
+    ),
+    LabOutcome.GAVE_UP: "Stopped on the way: no course from there stays inside the picture.",
+    LabOutcome.STILL_MOVING: "The time ran out before the robot was parked and held.",
+    LabOutcome.NEVER_SEEN: "The robot's tag was never seen, and the robot did not move.",
+    LabOutcome.CAMERA_ENDED: "The camera ended; the robot was stopped.",
+    LabOutcome.ROBOT_SILENT: "The robot does not answer.",
+    LabOutcome.INTERRUPTED: "Interrupted; the robot was stopped.",
+}
+
+
+@dataclass
+class Finished:
+    """A run at its end.
+
+    Attributes
+    ----------
+    outcome : LabOutcome
+        How it ended.
+    ended, parked_at : float
+        When it ended, and since when the robot was parked (None if it is not), on the loop's clock.
+    began : float
+        When it began.
+    samples : list of Sample
+        One for each frame in which the tag was seen.
+    frames : FrameCounts
+        How the frames fared.
+    latencies : list of float
+        From image in to command out, in s of the computer's own clock.
+    events : list of Event
+        What happened; times from the beginning.
+    note : str
+        What the robot said when it fell silent.
+    """
+
+    outcome: LabOutcome = LabOutcome.STILL_MOVING
+    began: float = 0.0
+    ended: float = 0.0
+    parked_at: float | None = None
+    samples: list[Sample] = field(default_factory=list)
+    frames: FrameCounts = field(default_factory=lambda: FrameCounts(seen=0))
+    latencies: list[float] = field(default_factory=list)
+    events: list[Event] = field(default_factory=list)
+    note: str = ""
+
+
+Watch = Callable[[Frame | Missing, Answer], None]
+"""Told of every frame with what it led to."""
+
+
+def replay_settings(
+    goal: Goal, robot: Robot, settings: LabSettings, safety: SafetyLimits
+) -> dict[str, Any]:
+    """All that a replay needs, in what JSON has.
+
+    Parameters
+    ----------
+    goal, robot, settings, safety
+        As `run_lab` takes them.
+
+    Returns
+    -------
+    dict
+        To be given to a `Recorder`.
+    """
+    return {
+        "goal": msgspec.to_builtins(goal),
+        "limits": msgspec.to_builtins(robot.limits),
+        "settings": msgspec.to_builtins(settings),
+        "safety": msgspec.to_builtins(safety),
+    }
+
+
+def run_lab(
+    camera: Camera,
+    robot: Robot,
+    clock: Clock,
+    goal: Goal,
+    *,
+    settings: LabSettings | None = None,
+    safety: SafetyLimits | None = None,
+    recorder: Recorder | None = None,
+    watch: Watch = lambda *_: None,
+    realtime: bool = True,
+) -> Finished:
+    """Park a robot, and hold it; whatever happens, it is stopped at the end.
+
+    Parameters
+    ----------
+    camera, robot, clock
+        The laboratory.
+    goal : Goal
+        Where to park.
+    settings : LabSettings, optional
+        Law, times and tolerances.
+    safety : SafetyLimits, optional
+        When something is wrong.
+    recorder : Recorder, optional
+        Records the run.
+    watch : callable, optional
+        Told of every frame with what it led to.
+    realtime : bool
+        Whether the clock goes on by itself: a thread then stops a robot that gets no command.
+
+    Returns
+    -------
+    Finished
+        The run.
+    """
+    settings, safety = settings or LabSettings(), safety or SafetyLimits()
+    parker = Parker(goal, robot.limits, settings, safety)
+    eye, watched = (camera, clock) if recorder is None else recorder.watch(camera, clock)
+    run = _Run(settings, recorder, watch)
+    with StoppingRobot(robot, clock=clock, timeout=DEAD_MAN if realtime else None) as safe:
+        try:
+            run.begin(watched.now())
+            while run.outcome is None:
+                reading = eye.read(PATIENCE / settings.rate)
+                now = watched.now()
+                started = time.perf_counter()
+                answer = parker.step(reading, now)
+                safe.send(answer.v, answer.omega)
+                run.take(reading, now, answer, time.perf_counter() - started)
+        except RobotSilentError as error:
+            run.outcome, run.finished.note = LabOutcome.ROBOT_SILENT, str(error)
+        except KeyboardInterrupt:
+            run.outcome = LabOutcome.INTERRUPTED
+    return run.end()
+
+
+class _Run:
+    """What becomes of a run, frame by frame."""
+
+    def __init__(self, settings: LabSettings, recorder: Recorder | None, watch: Watch) -> None:
+        self._settings, self._recorder, self._watch = settings, recorder, watch
+        self.outcome: LabOutcome | None = None
+        self.finished = Finished()
+        self._seen = self._blind = self._missing = self._dropped = 0
+        self._last_number: int | None = None
+        self._courses = 0
+
+    def begin(self, now: float) -> None:
+        """Start the run's time."""
+        self.finished.began = self.finished.ended = now
+
+    def take(self, reading: Frame | Missing, now: float, answer: Answer, latency: float) -> None:
+        """Keep what a frame led to, and judge whether the run is over."""
+        run = self.finished
+        run.ended = now
+        self._count(reading, answer)
+        if isinstance(reading, Frame):
+            run.latencies.append(latency)
+        if answer.estimate is not None:
+            run.samples.append(_sample(answer, run.began))
+        run.events += [
+            msgspec.structs.replace(event, t=event.t - run.began) for event in answer.events
+        ]
+        self._courses += sum(event.name == "course" for event in answer.events)
+        if self._recorder is not None:
+            _record(self._recorder, reading, now, answer)
+        self._watch(reading, answer)
+        run.parked_at = (run.parked_at or now) if answer.phase is Phase.PARKED else None
+        self.outcome = self._judged(reading, now, answer)
+
+    def _count(self, reading: Frame | Missing, answer: Answer) -> None:
+        if isinstance(reading, Missing):
+            self._missing += 1
+            return
+        if self._last_number is not None:
+            self._dropped += max(0, reading.number - self._last_number - 1)
+        self._last_number = reading.number
+        if answer.tag is None:
+            self._blind += 1
+        else:
+            self._seen += 1
+
+    def _judged(self, reading: Frame | Missing, now: float, answer: Answer) -> LabOutcome | None:
+        """The outcome, or None while the run goes on."""
+        run, settings = self.finished, self._settings
+        if reading is Missing.ENDED:
+            return LabOutcome.CAMERA_ENDED
+        if answer.phase is Phase.REFUSED and (answer.v, answer.omega) == (0.0, 0.0):
+            return LabOutcome.GAVE_UP if self._courses else LabOutcome.REFUSED
+        if run.parked_at is not None and now - run.parked_at >= settings.hold:
+            return LabOutcome.PARKED
+        if now - run.began >= settings.duration:
+            return LabOutcome.STILL_MOVING if run.samples else LabOutcome.NEVER_SEEN
+        return None
+
+    def end(self) -> Finished:
+        """The run at its end."""
+        run = self.finished
+        run.outcome = self.outcome or LabOutcome.INTERRUPTED
+        run.frames = FrameCounts(
+            seen=self._seen,
+            without_tag=self._blind,
+            missing=self._missing,
+            dropped=self._dropped,
+        )
+        return run
+
+
+def _sample(answer: Answer, began: float) -> Sample:
+    """The estimate of a frame with its command."""
+    estimate = answer.estimate
+    assert estimate is not None  # only then is it called
+    x, y, theta = estimate.pose
+    return Sample(
+        t=answer.t - began,
+        x0=x,
+        x1=y,
+        psi=theta,
+        v=answer.v,
+        omega=answer.omega,
+        step=max(answer.step, 0),
+        beta=estimate.beta,
+    )
+
+
+def _record(recorder: Recorder, reading: Frame | Missing, now: float, answer: Answer) -> None:
+    """Write down a frame and what it led to."""
+    if isinstance(reading, Missing):
+        recorder.missing(reading, now)
+    else:
+        recorder.frame(reading, now)
+        estimate = answer.estimate
+        recorder.measured(
+            reading.t,
+            corners=None if answer.tag is None else answer.tag.corners,
+            estimate=None if estimate is None else estimate.pose,
+            prediction=None if estimate is None else estimate.ahead,
+            predicted_for=None if estimate is None else now,
+        )
+    for event in answer.events:
+        recorder.event(event.t, event.name, event.sentence, level=event.level)
+    recorder.command(answer.t, answer.v, answer.omega, answer.step)

@@ -1,0 +1,209 @@
+"""Chooses a course before the robot moves: direction, speed and gains with which it stays in view.
+
+Each course is driven in advance, by the same pilot, on the image unicycle with the least and the
+greatest gain that are possible. The fastest one that stays in view and inside the chart is taken.
+If there is none, courses with a straight leg first are tried; if there is none of those either, the
+start is refused, before anything moves.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from msgspec.structs import replace as with_fields
+
+from parkproof.bounds import Bounds
+from parkproof.lab.devices import RobotLimits
+from parkproof.lab.pilot import HOLD, Arrival, Course, Pilot
+from parkproof.lab.predict import GoalPose, Motion, advanced
+from parkproof.lab.view import ImageView
+from parkproof.laws.gains import Gains, Switching
+from parkproof.laws.time_scale import scaled_approach, scaled_pair
+
+PACES = (1.0, 0.6)
+"""Time scales κ of Step 2 that are tried."""
+
+SLOPES = (2.0, 1.0, 0.5, 0.25, 0.15)
+"""κ/c: how steeply the path crosses over; the steeper, the less travel, the flatter, the farther
+from ±90°."""
+
+STAGES = ((0.0,), (1.0, -1.0), (2.0, -2.0), (3.0, -3.0), (4.5, -4.5))
+"""Straight legs in goal units, those tried later only if no shorter one does."""
+
+HOLDING, RETURNING = 2.0, 1.0
+"""Time scales of holding and turning, and of the return."""
+
+STEEPEST = math.radians(82.0)
+"""Headings beyond this are refused in the run-up and the approach: noise could leave the chart."""
+
+CRUISE = (0.2, 3.0)
+"""Run-up speeds in goal units per s that are tried."""
+
+PERIOD = 1.0 / 30.0
+"""Step of the drive in advance in s."""
+
+LONGEST = 40.0
+"""Courses that take longer, in s, are not tried further."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """What a course has to do.
+
+    Attributes
+    ----------
+    view : ImageView
+        What the camera sees.
+    margin : float
+        How far inside the border the axle's middle must stay, in goal units.
+    limits : RobotLimits
+        What the robot can do.
+    side : float
+        Side of the tag in m.
+    bounds : Bounds
+        Of the gain a, in goal units per tag side, with the error of the motors.
+    arrival : Arrival
+        When the robot has arrived.
+    tolerance : tuple of two floats
+        Of Step 2 (|x1|, |x2|, |u1|) and of Step 3 (|x0|, |u0|), in goal units.
+    law : "corrected" or "homogeneous"
+        The law.
+    gains : Gains, optional
+        Gains that are given; only direction and straight leg are chosen then.
+    """
+
+    view: ImageView
+    margin: float
+    limits: RobotLimits
+    side: float
+    bounds: Bounds
+    arrival: Arrival
+    tolerance: tuple[float, float]
+    law: Literal["corrected", "homogeneous"] = "corrected"
+    gains: Gains | None = None
+
+
+def plan_course(task: Task, start: GoalPose, motion: Motion | None = None) -> Course | None:
+    """The fastest course from a pose, or None if none stays in view.
+
+    Parameters
+    ----------
+    task : Task
+        What it has to do.
+    start : GoalPose
+        Where the robot stands.
+    motion : Motion, optional
+        How the robot answers to commands, as far as it is known.
+
+    Returns
+    -------
+    Course or None
+        The course.
+
+    Examples
+    --------
+    >>> limits = RobotLimits(speed=0.3, turn_rate=2.0, acceleration=1.0, turn_acceleration=8.0)
+    >>> task = Task(ImageView(((-8, -6), (8, -6), (8, 6), (-8, 6))), 1.0, limits, 0.1,
+    ...             Bounds(alpha=(0.8, 1.25)), Arrival(0.02, 0.01), (0.01, 0.01))
+    >>> course = plan_course(task, GoalPose(-3.0, 1.0, 0.2))
+    >>> course.time < 15.0
+    True
+    >>> plan_course(task, GoalPose(-7.9, 5.9, 0.2)) is None
+    True
+    """
+    motion = motion or Motion()
+    for stages in STAGES:
+        best: Course | None = None
+        for course in _courses(task, stages):
+            longest = best.time if best else LONGEST
+            time = _worst_time(task, course, start, motion, longest)
+            if time is not None and time < longest:
+                best = replace(course, time=time)
+        if best:
+            return best
+    return None
+
+
+def _courses(task: Task, stages: Sequence[float]) -> Iterator[Course]:
+    """All courses with these straight legs."""
+    across, along = task.tolerance
+    directions: tuple[Literal["forward", "backward"], ...] = ("forward", "backward")
+    for stage in stages:
+        for gains in [task.gains] if task.gains else _gains():
+            switching = Switching(
+                tolerance=(0.1 * gains.runup_speed, across, along),
+                hysteresis=3.0,
+                turn_tolerance=0.05,
+                chart_limit=75.0,
+            )
+            for direction in directions:
+                turned = with_fields(gains, direction=direction)
+                yield Course(task.law, turned, switching, stage)
+
+
+def _gains() -> Iterator[Gains]:
+    """The paper's Step 2 at several speeds and slopes, with fast holding."""
+    base = Gains()
+    for pace in PACES:
+        for slope in SLOPES:
+            cruise = pace / slope
+            if CRUISE[0] <= cruise <= CRUISE[1]:
+                yield Gains(
+                    l=scaled_approach(base.l, base.q1, speed=pace, cruise=cruise),
+                    k=scaled_pair(base.k, base.q2, speed=RETURNING),
+                    hold=scaled_pair(base.k, base.q2, speed=HOLDING),
+                    lambda1=6.0,
+                    runup_speed=cruise,
+                )
+
+
+def _worst_time(
+    task: Task, course: Course, start: GoalPose, motion: Motion, longest: float
+) -> float | None:
+    """The time of a course with the least and the greatest gain, None if either leaves the view."""
+    worst = 0.0
+    for a in task.bounds.alpha_of(0):
+        time = _time(task, course, start, motion, a, longest)
+        if time is None:
+            return None
+        worst = max(worst, time)
+    return worst
+
+
+def _time(
+    task: Task, course: Course, pose: GoalPose, motion: Motion, a: float, longest: float
+) -> float | None:
+    """Drive a course on the image unicycle with a constant gain a, and β = 1.
+
+    Where the motors' gains are known already, only the rest is uncertain; that is for the task's
+    bounds to say.
+    """
+    pilot = Pilot(
+        course,
+        task.bounds,
+        task.limits,
+        side=task.side,
+        period=PERIOD,
+        arrival=task.arrival,
+    )
+    room = task.view.clearance(pose.x, pose.y) - task.margin
+    t, turned = 0.0, False
+    while t < longest:
+        asked = pilot.step(t, PERIOD, pose, beta=1.0, motion=motion)
+        if asked.step == 0 and turned:
+            return None  # it had to turn again
+        turned = turned or asked.step > 0
+        if asked.step in {1, 2} and abs(pose.theta) > STEEPEST:
+            return None
+        if asked.step == HOLD:
+            return t
+        v = motion.speed * asked.v
+        turn = motion.turn * asked.omega + motion.skew * asked.v
+        pose = advanced(pose, PERIOD, a * v / task.side, turn)
+        clearance = task.view.clearance(pose.x, pose.y) - task.margin
+        if clearance < min(0.0, room) - 1e-9:
+            return None
+        room = max(room, min(0.0, clearance))
+        t += PERIOD
+    return None

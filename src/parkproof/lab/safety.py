@@ -1,0 +1,224 @@
+"""What is never driven through: why a robot is slowed down and stopped, and when it goes on."""
+
+import enum
+import math
+from dataclasses import dataclass
+
+from parkproof.lab.devices import Frame, RobotLimits
+from parkproof.lab.estimate import Estimate, Sighting
+from parkproof.lab.predict import GoalPose
+from parkproof.lab.view import ImageView
+from parkproof.model.unicycle import wrap_angle
+
+
+class Alarm(enum.Enum):
+    """Why the robot is stopped.
+
+    Examples
+    --------
+    >>> Alarm.TAG_LOST.sentence
+    'the tag of the robot is not seen'
+    """
+
+    NO_FRAME = "no frame comes from the camera"
+    TAG_LOST = "the tag of the robot is not seen"
+    TWO_TAGS = "two tags have the id of the robot"
+    OTHER_PICTURE = "the picture is not as the goal's was: another size, or no picture at all"
+    STALE = "frames come too late"
+    CLOCK = "the time stamps of the frames jump"
+    JUMP = "the robot jumped farther than it can drive"
+    BORDER = "the robot comes too near the border of the picture"
+
+    @property
+    def sentence(self) -> str:
+        """In words."""
+        return self.value
+
+
+@dataclass(frozen=True, kw_only=True)
+class SafetyLimits:
+    """When something is wrong.
+
+    Attributes
+    ----------
+    patience : float
+        For how long in s the last command is held while nothing new is seen.
+    oldest : float
+        Age of a frame in s beyond which it is stale.
+    surplus : float
+        By what factor a motion between two frames may exceed what the limits allow.
+    slack, slack_heading : float
+        What it may exceed that by besides, in goal units and rad: noise and pushes.
+    recovery : int
+        Frames in a row that must be right before the robot goes on.
+    """
+
+    patience: float = 0.2
+    oldest: float = 0.5
+    surplus: float = 2.0
+    slack: float = 0.3
+    slack_heading: float = 0.35
+    recovery: int = 3
+
+    def stopping_time(self, limits: RobotLimits) -> float:
+        """Time in s within which the robot is told to stand still, once something is wrong.
+
+        Parameters
+        ----------
+        limits : RobotLimits
+            Of the robot.
+
+        Returns
+        -------
+        float
+            Patience, and braking from the largest speeds.
+
+        Examples
+        --------
+        >>> limits = RobotLimits(speed=0.3, turn_rate=2.0, acceleration=1.0, turn_acceleration=8.0)
+        >>> SafetyLimits().stopping_time(limits)
+        0.5
+        """
+        braking = max(
+            limits.speed / limits.acceleration, limits.turn_rate / limits.turn_acceleration
+        )
+        return self.patience + braking
+
+
+class Guard:
+    """Watches frames and poses; holds those of the last frame that was right.
+
+    Parameters
+    ----------
+    safety : SafetyLimits
+        When something is wrong.
+    limits : RobotLimits
+        What the robot can do.
+    view : ImageView
+        What the camera sees.
+    reach : float
+        How far the tag reaches from the axle's middle, in sides of the tag.
+    side : float
+        Side of the tag in m.
+    """
+
+    def __init__(
+        self,
+        safety: SafetyLimits,
+        limits: RobotLimits,
+        view: ImageView,
+        *,
+        reach: float,
+        side: float,
+    ) -> None:
+        self._safety, self._limits, self._view = safety, limits, view
+        self._reach, self._side = reach, side
+        self._last_stamp = -math.inf
+        self._accepted: Sighting | None = None
+        self._strange: list[Sighting] = []
+
+    def of_frame(self, frame: Frame, now: float) -> Alarm | None:
+        """What is wrong with a frame's time.
+
+        Parameters
+        ----------
+        frame : Frame
+            The frame.
+        now : float
+            Time in s.
+
+        Returns
+        -------
+        Alarm or None
+            None if nothing is.
+        """
+        before, self._last_stamp = self._last_stamp, frame.t
+        if not math.isfinite(frame.t) or frame.t <= before or frame.t > now + 1e-3:
+            return Alarm.CLOCK
+        return Alarm.STALE if now - frame.t > self._safety.oldest else None
+
+    def of_sighting(self, seen: Sighting) -> Alarm | None:
+        """Whether the robot can have come from where it was seen last.
+
+        A place that is seen several times in a row is believed in the end: somebody carried the
+        robot there.
+
+        Parameters
+        ----------
+        seen : Sighting
+            Where it is seen now.
+
+        Returns
+        -------
+        Alarm or None
+            None if it can.
+        """
+        if self._accepted is None or self._reachable(self._accepted, seen):
+            self._accepted, self._strange = seen, []
+            return None
+        if self._strange and not self._reachable(self._strange[-1], seen):
+            self._strange = []
+        self._strange.append(seen)
+        if len(self._strange) > self._safety.recovery:
+            self._accepted, self._strange = seen, []
+        return Alarm.JUMP
+
+    def _reachable(self, before: Sighting, seen: Sighting) -> bool:
+        safety, limits, dt = self._safety, self._limits, seen.t - before.t
+        moved = math.dist(before.pose[:2], seen.pose[:2])
+        turned = abs(wrap_angle(seen.pose.theta - before.pose.theta))
+        gain, beta = max(before.a, seen.a), max(before.beta, seen.beta)
+        return (
+            moved <= safety.surplus * gain * limits.speed * dt + safety.slack
+            and turned <= safety.surplus * beta * limits.turn_rate * dt + safety.slack_heading
+        )
+
+    def of_motion(self, estimate: Estimate, v: float) -> Alarm | None:
+        """Whether the robot would leave the view if it braked from now on.
+
+        Parameters
+        ----------
+        estimate : Estimate
+            Where it is, and will be.
+        v : float
+            Speed that it is about to be sent, in m/s.
+
+        Returns
+        -------
+        Alarm or None
+            None if it can stop inside the view, or drives away from the border.
+        """
+        speed = estimate.motion.speed * abs(v)
+        way = estimate.a * speed * (speed / (2.0 * self._limits.acceleration) + 0.1)
+        ahead = stopped_at(estimate.ahead, math.copysign(way, v))
+        here = self._view.clearance(estimate.ahead.x, estimate.ahead.y)
+        there = self._view.clearance(ahead.x, ahead.y)
+        needed = self._reach * max(1.0, estimate.a * self._side)
+        if there < needed and there < here - 1e-3 and speed > 0.02 * self._limits.speed:
+            return Alarm.BORDER
+        return None
+
+
+def stopped_at(pose: GoalPose, way: float) -> GoalPose:
+    """Where a robot comes to rest that drives straight on.
+
+    Parameters
+    ----------
+    pose : GoalPose
+        Where it is.
+    way : float
+        How far it drives, in goal units, negative backwards.
+
+    Returns
+    -------
+    GoalPose
+        Where it comes to.
+
+    Examples
+    --------
+    >>> stopped_at(GoalPose(1.0, 2.0, 0.0), -0.5)
+    GoalPose(x=0.5, y=2.0, theta=0.0)
+    """
+    return GoalPose(
+        pose.x + way * math.cos(pose.theta), pose.y + way * math.sin(pose.theta), pose.theta
+    )

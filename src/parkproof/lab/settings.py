@@ -1,0 +1,88 @@
+"""What a laboratory run is told: the law, times and tolerances. All have defaults that work."""
+
+import math
+from typing import Literal
+
+import msgspec
+from msgspec.structs import force_setattr
+
+from parkproof.errors import InputError
+from parkproof.laws.gains import Gains
+from parkproof.validate import not_negative, positive
+
+
+class LabSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How a run goes.
+
+    Parameters
+    ----------
+    law : "corrected" or "homogeneous"
+        The law.
+    gains : Gains, optional
+        Its gains, in units of the tag's side. Default: chosen for the start, from the paper's at
+        several speeds and slopes.
+    motor_error : float
+        By what share the robot's speeds may differ from those that it is sent.
+    rate : float
+        Frames per s that are expected.
+    delay : float
+        Time in s from sending a command until the robot moves so; `parkproof camera --latency`
+        measures it together with the camera's.
+    stamp_delay : float
+        By how much in s the time stamps of the frames are late: 0 for a camera that stamps the
+        capture.
+    position_px, heading_deg : float
+        Within these of the goal, in px and degrees, the robot has arrived and rests.
+    duration : float
+        Longest time in s.
+    hold : float
+        How long the robot is watched and held once it is parked, in s.
+
+    Raises
+    ------
+    InputError
+        If a number is out of its range.
+
+    Examples
+    --------
+    >>> LabSettings().rate
+    30.0
+    """
+
+    law: Literal["corrected", "homogeneous"] = "corrected"
+    gains: Gains | None = None
+    motor_error: float = 0.3
+    rate: float = 30.0
+    delay: float = 0.045
+    stamp_delay: float = 0.0
+    position_px: float = 0.5
+    heading_deg: float = 0.4
+    duration: float = 90.0
+    hold: float = 10.0
+
+    def __post_init__(self) -> None:
+        for name, example in (
+            ("rate", 30.0),
+            ("position_px", 0.5),
+            ("heading_deg", 0.4),
+            ("duration", 90.0),
+        ):
+            force_setattr(self, name, positive(name, getattr(self, name), example=example))
+        for name in ("motor_error", "delay", "stamp_delay", "hold"):
+            force_setattr(self, name, not_negative(name, getattr(self, name)))
+        if self.motor_error >= 0.9:
+            raise InputError(
+                f"motor_error = {self.motor_error:g}: must be below 0.9, a share of what is "
+                "sent; write for example motor_error = 0.3"
+            )
+        if self.gains is not None:
+            self.gains.check_law(self.law)
+        elif self.law == "homogeneous":
+            raise InputError(
+                'law = "homogeneous" needs gains; write those of a design, in units of the tag side'
+            )
+
+    @property
+    def heading(self) -> float:
+        """``heading_deg`` in rad."""
+        return math.radians(self.heading_deg)

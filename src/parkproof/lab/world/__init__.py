@@ -1,0 +1,1 @@
+"""A simulated laboratory: a robot with wheels on a floor, and a camera above it, in MuJoCo."""
