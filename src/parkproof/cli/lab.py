@@ -183,7 +183,7 @@ class _Making:
             write_summary,
             write_trajectory,
         )
-        from parkproof.report.figures import plot
+        from parkproof.report.lab import lab_pictures
 
         run = LabRun(
             scenario=Setting(
@@ -204,8 +204,8 @@ class _Making:
         )
         write_summary(run, self.directory / "summary.json")
         write_trajectory(run, self.directory / "trajectory.parquet")
-        if finished.samples:
-            plot(run, self.directory / "overview.png")
+        self._report("drawing", 0.5)
+        lab_pictures(run, self.directory)
         return summary_of(run)
 
 
@@ -298,8 +298,6 @@ def _print(console: Any, summary: dict[str, Any]) -> None:
         )
     )
     if latency:
-        facts.append(
-            ("image in to command out", f"median {1e3 * latency['median']:.1f} ms")
-        )
+        facts.append(("image in to command out", f"median {1e3 * latency['median']:.1f} ms"))
     facts += [("note", note) for note in summary.get("notes", [])]
     console.print(facts_table(facts))

@@ -95,11 +95,9 @@ def teach(
 
         goal = take(Frame(read_picture(image), t=0.0, number=0), TagDetector(), mount)
     else:
-        from parkproof.lab.cameras import (  # type: ignore[import-not-found, unused-ignore]  # of another part of the laboratory
-            open_camera,
-        )
+        from parkproof.lab.cameras import open_camera
 
-        goal = _from_camera(open_camera(camera), TagDetector(), mount)
+        goal = _from_camera(open_camera(str(camera)), TagDetector(), mount)
     write_file(out, goal.to_json(), overwrite=overwrite)
     console = stdout_console()
     console.print(facts_table(_facts(goal)))

@@ -10,12 +10,15 @@ import numpy as np
 from parkproof.lab.devices import Frame, Image, Missing
 from parkproof.lab.goal import Goal
 from parkproof.lab.overlay import Bar, Overlay, overlay
-from parkproof.lab.parker import Answer
+from parkproof.lab.parker import Answer, Phase
 from parkproof.lab.video import RunVideo, strip
 from parkproof.model.homography import Homography
 
 SHOWN = 2.0
 """For how long an event is shown, in s."""
+
+RESTED = 1.0
+"""A strip ends when the robot has been parked for so long, in s."""
 
 STRIP = 9
 """Pictures in a strip."""
@@ -51,6 +54,7 @@ class Film:
         self._course_began, self._foreseen = 0.0, math.nan
         self._kept: list[tuple[Image, Overlay]] = []
         self._every, self._count = 1, 0
+        self._parked_since: float | None = None
         tag = Homography(goal.homography)
         self._goal_tag = np.array(
             [tag.project(i, j) for i, j in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))]
@@ -92,7 +96,12 @@ class Film:
             return
         info = self._overlay(answer)
         self._video.add(reading.image, info)
-        if self._count % self._every == 0:
+        if answer.phase is Phase.PARKED:
+            self._parked_since = self._parked_since or answer.t
+        else:
+            self._parked_since = None
+        rested = self._parked_since is not None and answer.t - self._parked_since > RESTED
+        if self._count % self._every == 0 and not rested:
             self._kept.append((reading.image.copy(), info))
             if len(self._kept) > KEPT:
                 del self._kept[1::2]
@@ -116,7 +125,7 @@ class Film:
         assert self._began is not None  # set when the frame was taken in
         shown = answer.t - self._since <= SHOWN or answer.alarm is not None
         bar = None
-        if math.isfinite(self._foreseen):
+        if math.isfinite(self._foreseen) and answer.phase is not Phase.PARKED:
             bar = Bar(
                 f"foreseen: {self._foreseen:.1f} s", answer.t - self._course_began, self._foreseen
             )

@@ -110,7 +110,7 @@ class _Memory:
     course: Course | None = None
     sent: tuple[float, float] = (0.0, 0.0)
     called: float | None = None
-    seen: float | None = None
+    seen: float = -math.inf
     near: PixelPose | None = None
     frames: int = 0
     right: int = 0
@@ -187,7 +187,9 @@ class Parker:
             With the command to send at once.
         """
         memory = self._now
-        dt = 1.0 / self._settings.rate if memory.called is None else max(now - memory.called, 0.0)
+        if memory.called is None:
+            memory.called, memory.seen = now - 1.0 / self._settings.rate, now
+        dt = max(now - memory.called, 0.0)
         memory.called, memory.events = now, []
         tag, seen, alarm = self._look(reading, now)
         estimate = None
@@ -253,11 +255,9 @@ class Parker:
         """The command, by what the parker is doing."""
         memory = self._now
         memory.right = memory.right + 1 if alarm is None else 0
-        if alarm is not None and memory.phase in {Phase.DRIVING, Phase.PARKED}:
-            quiet = now - (memory.seen if memory.seen is not None else now)
-            if quiet <= self._safety.patience:
-                return memory.sent if memory.phase is Phase.DRIVING else (0.0, 0.0)
         if alarm is not None:
+            if now - memory.seen <= self._safety.patience:
+                return memory.sent
             self._stop(alarm, now)
         elif (
             memory.phase in {Phase.WAITING, Phase.STOPPED}
@@ -319,7 +319,7 @@ class Parker:
         way = "backward" if course.gains.direction == "backward" else "forward"
         leg = f" after a straight leg of {course.stage:g} tag sides" if course.stage else ""
         self._tell(
-            now, "course", f"a course {way}{leg}, foreseen to take at most {course.time:.1f} s"
+            now, "course", f"a course {way}{leg}, foreseen to take {course.time:.1f} s at most"
         )
 
     def _planned(self, estimate: Estimate, *, first: bool) -> Course | None:

@@ -1,13 +1,16 @@
 """What a laboratory run is told: the law, times and tolerances. All have defaults that work."""
 
 import math
-from typing import Literal
+from collections.abc import Sequence
+from typing import Any, Literal
 
 import msgspec
 from msgspec.structs import force_setattr
 
 from parkproof.errors import InputError
 from parkproof.laws.gains import Gains
+from parkproof.scenario_file.overrides import apply_overrides
+from parkproof.scenario_file.read import converted
 from parkproof.validate import not_negative, positive
 
 
@@ -86,3 +89,31 @@ class LabSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     def heading(self) -> float:
         """``heading_deg`` in rad."""
         return math.radians(self.heading_deg)
+
+
+def read_settings(overrides: Sequence[str] = ()) -> LabSettings:
+    """The settings, with overrides from the command line.
+
+    Parameters
+    ----------
+    overrides : sequence of str
+        Expressions ``key=value``.
+
+    Returns
+    -------
+    LabSettings
+        Checked.
+
+    Raises
+    ------
+    InputError
+        If a key is unknown or a value out of its range.
+
+    Examples
+    --------
+    >>> read_settings(["hold=30"]).hold
+    30.0
+    """
+    data: dict[str, Any] = {}
+    apply_overrides(data, overrides, LabSettings)
+    return converted(data, LabSettings, "--set")

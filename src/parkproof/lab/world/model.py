@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from parkproof.lab.tag_sheet import tag_cells
 from parkproof.lab.world.settings import WorldSettings
 
 if TYPE_CHECKING:
@@ -45,14 +46,8 @@ def tag_texture(tag_id: int) -> "NDArray[np.uint8]":
     array
         Rows × columns.
     """
-    import cv2
-
-    family = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_APRILTAG_36h11)
-    cells = cv2.aruco.generateImageMarker(family, tag_id, TAG_CELLS)
-    upright = np.rot90(cells, 2)  # OpenCV's are turned by 180° from the tag family's own
-    framed = np.pad(upright, QUIET_CELLS, constant_values=255)
-    texture: NDArray[np.uint8] = np.kron(framed, np.ones((CELL, CELL), np.uint8))
-    return texture
+    framed = np.pad(tag_cells(tag_id), QUIET_CELLS, constant_values=True)
+    return np.repeat(np.repeat(np.where(framed, 255, 0).astype(np.uint8), CELL, 0), CELL, 1)
 
 
 def floor_texture(seed: int, size: int = 512) -> "NDArray[np.uint8]":

@@ -1,6 +1,7 @@
 """What the simulated laboratory is like: camera, robot, pushes, floor."""
 
 import math
+from pathlib import Path
 from typing import Annotated
 
 import msgspec
@@ -10,6 +11,8 @@ from parkproof.errors import InputError
 from parkproof.lab.devices import RobotLimits
 from parkproof.lab.image_pose import TagMount
 from parkproof.model.camera import PinholeCamera
+from parkproof.scenario_file.read import converted
+from parkproof.scenario_file.toml import load_toml
 from parkproof.validate import finite, not_negative, positive
 
 Floats2 = Annotated[tuple[float, float], Meta(description="two numbers")]
@@ -47,13 +50,13 @@ class WorldCamera(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     30.0
     """
 
-    position: Floats2 = (0.0, 0.0)
+    position: Floats2 = (0.0, -0.9)
     height: float = 2.2
     focal_length: float = 650.0
-    tilt_deg: float = 0.0
-    roll_deg: float = 0.0
+    tilt_deg: float = 24.0
+    roll_deg: float = 12.0
     pan_deg: float = 0.0
-    aspect: float = 1.0
+    aspect: float = 1.1
     image_size: tuple[int, int] = (640, 480)
     distortion: float = 0.0
     noise: float = 2.0
@@ -142,7 +145,7 @@ class WorldRobot(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     tag_side: float = 0.1
     tag_position: Floats2 = (0.0, 0.0)
     tag_angle_deg: float = 0.0
-    gains: Floats2 = (1.0, 1.0)
+    gains: Floats2 = (1.15, 0.9)
     dead_band: float = 0.008
     lag: float = 0.04
     max_torque: float = 0.15
@@ -232,18 +235,47 @@ class WorldSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 
     Examples
     --------
-    >>> WorldSettings().goal
-    (0.0, 0.0, 0.0)
+    >>> WorldSettings().seed
+    0
     """
 
     camera: WorldCamera = WorldCamera()
     robot: WorldRobot = WorldRobot()
     pushes: Pushes = Pushes()
-    goal: Floats3 = (0.0, 0.0, 0.0)
-    start: Floats3 = (-0.5, 0.3, 0.6)
+    goal: Floats3 = (0.05, 0.0, 0.2)
+    start: Floats3 = (-0.45, 0.3, 2.0)
     seed: int = 0
 
     def __post_init__(self) -> None:
         for name in ("goal", "start"):
             for value in getattr(self, name):
                 finite(name, value)
+
+
+def read_world(path: Path) -> WorldSettings:
+    """Read a file that describes a simulated laboratory.
+
+    Parameters
+    ----------
+    path : Path
+        A TOML file.
+
+    Returns
+    -------
+    WorldSettings
+        Checked.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is not TOML, or is no valid description.
+
+    Examples
+    --------
+    >>> read_world(Path("no-such-world.toml"))
+    Traceback (most recent call last):
+    ...
+    parkproof.errors.InputError: ...
+    """
+    path = Path(path)
+    return converted(load_toml(path), WorldSettings, str(path))
