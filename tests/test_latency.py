@@ -1,17 +1,21 @@
 """The delay from command to image, from synthetic data and from a robot that is turned for it."""
 
+import json
 import math
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+import cv2
 import numpy as np
 import pytest
 
+from parkproof.cli import main
 from parkproof.errors import InputError
 from parkproof.lab.devices import RobotLimits, RobotSilentError
 from parkproof.lab.latency import DelayOutcome, fit_delay
 from parkproof.lab.measure_latency import Seen, measure_latency
+from parkproof.lab.robot_simulator import UdpRobotSimulator
 
 LIMITS = RobotLimits(speed=0.3, turn_rate=1.5, acceleration=1.0, turn_acceleration=6.0)
 STEP = 5e-4
@@ -265,3 +269,69 @@ def test_arrays_that_do_not_fit_are_refused(arguments, message):
 def test_settings_that_are_none_are_refused(settings):
     with pytest.raises(InputError, match="must be"):
         Turntable().measured(**settings)
+
+
+# ------------------------------------------------------------------------------- the command
+
+
+@pytest.fixture
+def room(tmp_path) -> str:
+    """Footage of a room without a robot."""
+    for k in range(5):
+        cv2.imwrite(str(tmp_path / f"{k}.png"), np.full((48, 64), 90, np.uint8))
+    return str(tmp_path)
+
+
+def test_the_command_says_what_a_camera_gives(room, capsys):
+    assert main(["camera", "--source", room]) == 0
+    printed = capsys.readouterr().out
+    for text in ("64×48", "30.00"):
+        assert text in printed
+    assert main(["camera", "--source", room, "--json"]) == 0
+    numbers = json.loads(capsys.readouterr().out)
+    assert (numbers["frames"], numbers["with_tag"], numbers["left_out"]) == (5, 0, 0)
+
+
+def test_the_command_does_not_move_a_robot_that_the_camera_does_not_see(room, capsys):
+    with UdpRobotSimulator() as simulator:
+        arguments = ["--latency", "--source", room, "--robot", simulator.address, "--json"]
+        assert main(["camera", *arguments]) == 1
+        numbers = json.loads(capsys.readouterr().out)
+        assert numbers["outcome"] == "ended"
+        assert numbers["delay"] is None
+        assert all((command.v, command.omega) == (0.0, 0.0) for command in simulator.received)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--latency", "--source", "0"], "--latency needs --source SOURCE and --robot ADDRESS"),
+        (["--latency", "--robot", "udp://127.0.0.1:9"], "--latency needs --source SOURCE"),
+        (["--source", "0", "--world", "world.toml"], "exclude each other"),
+        (["--source", "nowhere.mp4"], "source = nowhere.mp4: there is no such camera"),
+        (["--latency", "--duration", "0"], "duration = 0.0: must be greater than 0"),
+        (["--latency", "--angle-deg", "nan"], "angle_deg = nan: must be a finite number"),
+    ],
+)
+def test_what_the_command_cannot_do_is_said_in_one_line(arguments, message, capsys):
+    assert main(["camera", *arguments]) == 2
+    errors = capsys.readouterr().err
+    assert message in errors
+    assert errors.count("\n") == 1
+
+
+def test_the_command_says_when_the_robot_is_not_there(room, capsys):
+    with UdpRobotSimulator() as simulator:
+        address = simulator.address
+    assert main(["camera", "--latency", "--source", room, "--robot", address]) == 2
+    assert "has not answered for 0.5 s" in capsys.readouterr().err
+
+
+def test_the_simulated_laboratory_is_measured_by_default(capsys):
+    assert main(["camera", "--latency", "--json", "--duration", "6"]) == 0
+    numbers = json.loads(capsys.readouterr().out)
+    assert numbers["outcome"] == "measured"
+    assert numbers["age_of_frames"] == pytest.approx(0.066, abs=0.002)
+    assert 0.0 < numbers["delay_and_lag"] < 0.1
+    assert numbers["delay_and_lag_error"] < 0.005
+    assert numbers["gain"] < 0.0  # seen from above

@@ -276,7 +276,8 @@ class _Model:
                 at.append(y)
             states[:, column] = at
         y_now = u + (states[place] - u) * np.exp(-since / lag)
-        return integral - lag * y_now
+        angle: Array = integral - lag * y_now
+        return angle
 
 
 def _least_squares(columns: Array, values: Array) -> Array:

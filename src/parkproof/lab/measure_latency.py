@@ -56,6 +56,9 @@ class LatencyMeasurement:
         (t, ψ) as seen, in s and rad.
     frames : int
         How many frames came.
+    age : float
+        How old frames were when they came, by their time stamps, in s: the median. What a command
+        takes to be seen is this and the fitted delay together. NaN without frames.
     detail : str
         What the robot or the camera said at the end, if anything.
 
@@ -70,6 +73,7 @@ class LatencyMeasurement:
     commands: list[tuple[float, float]]
     seen: list[tuple[float, float]]
     frames: int
+    age: float = math.nan
     detail: str = ""
 
 
@@ -159,8 +163,8 @@ def measure_latency(
     safe = StoppingRobot(robot, clock=clock, timeout=None)
     try:
         for what in seen:
-            run.note(what)
             now = clock.now()
+            run.note(what, now)
             why = run.why_over(now)
             if why is not None:
                 break
@@ -172,7 +176,7 @@ def measure_latency(
     except RobotSilentError as error:
         return run.result(DelayOutcome.SILENT, detail=str(error))
     finally:
-        safe.stop()
+        safe.release()
     return run.result(why)
 
 
@@ -204,7 +208,7 @@ class _Run:
     def __init__(self, duration: float, turns: _Turns) -> None:
         self._duration = duration
         self._turns = turns
-        self._frames = 0
+        self._ages: list[float] = []
         self._seen: list[tuple[float, float]] = []
         self._commands: list[tuple[float, float]] = []
         self._turned = 0.0
@@ -215,12 +219,12 @@ class _Run:
         self.begun: float | None = None
         self.next_command = -math.inf
 
-    def note(self, what: tuple[float, float | None] | None) -> None:
+    def note(self, what: tuple[float, float | None] | None, now: float) -> None:
         """Take in a frame."""
         if what is None:
             return
-        self._frames += 1
         t, heading = what
+        self._ages.append(now - t)
         if heading is not None and (not self._seen or t > self._seen[-1][0]):
             self._seen.append((t, heading))
             self._told.append(self._turned)
@@ -280,7 +284,8 @@ class _Run:
             fit=fit,
             commands=self._commands,
             seen=self._seen,
-            frames=self._frames,
+            frames=len(self._ages),
+            age=float(np.median(self._ages)) if self._ages else math.nan,
             detail=detail,
         )
 
