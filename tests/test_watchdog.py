@@ -219,6 +219,16 @@ def test_leaving_the_block_stops_and_closes_and_gives_the_signals_back(script):
     assert script.told[-1] == "stop"
 
 
+def test_a_robot_that_is_released_is_stopped_but_not_given_back(script):
+    with StoppingRobot(script, clock=WallClock()) as robot:
+        before = signal.getsignal(signal.SIGTERM)
+        robot.send(0.4, 0.0)
+        robot.release()
+        assert script.told[-1] == "stop"
+        assert signal.getsignal(signal.SIGTERM) is not before
+    assert "close" not in script.told
+
+
 def test_after_a_signal_the_robot_only_stands_still(script):
     heard = []
     before = signal.signal(signal.SIGTERM, lambda number, _: heard.append(number))

@@ -19,6 +19,7 @@ COMMANDS = {
     "design": "Find gains for given limits, with a proof that runs under them park.",
     "certify": "Prove that runs with given gains park, and write the proof as a certificate.",
     "verify": "Re-prove a certificate and print its theorem.",
+    "camera": "Look through a camera, or measure how late it shows what the robot does.",
     "tag": "Make a page with a tag to print, to scale.",
     "teach": "Take the goal from one picture of the parked robot.",
     "lab": "Park a robot that a camera sees, simulated or real, from its pictures.",

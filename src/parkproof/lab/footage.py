@@ -270,7 +270,7 @@ def _images(frames: list[tuple[float, Path]]) -> Iterator[tuple[float, Image]]:
     for t, file in frames:
         # imdecode, since imread does not read names outside the system's code page everywhere
         data = np.frombuffer(file.read_bytes(), np.uint8)
-        image = cv2.imdecode(data, cv2.IMREAD_ANYCOLOR) if data.size else None
+        image: Any = cv2.imdecode(data, cv2.IMREAD_ANYCOLOR) if data.size else None
         if image is None or image.size == 0:
             raise FootageError(f"{file} cannot be read as an image")
         yield t, colours(image)

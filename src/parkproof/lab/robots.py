@@ -108,10 +108,10 @@ def _host_and_port(address: str) -> tuple[str, int]:
     """Split an address."""
     try:
         parts = urlsplit(address)
-        host, port = parts.hostname, parts.port
+        scheme, host, port = parts.scheme, parts.hostname, parts.port
     except ValueError:  # a port that is no number, or beyond 65535; a bracket that is not closed
-        parts = host = port = None
-    if parts is None or parts.scheme != "udp" or not host or not port:
+        scheme, host, port = "", None, None
+    if scheme != "udp" or not host or not port:
         raise InputError(
             f"robot = {address}: must be udp://host:port with a port from 1 to 65535; write for "
             "example udp://192.168.1.20:5005"

@@ -136,9 +136,15 @@ class StoppingRobot:
 
     def close(self) -> None:
         """Stop, give the robot and the signals back. May be called twice."""
-        self.stop()
         if self._closed.is_set():
+            self.stop()
             return
+        self.release()
+        self._robot.close()
+
+    def release(self) -> None:
+        """Stop and give the signals back, but not the robot: it may be wrapped again."""
+        self.stop()
         self._closed.set()
         for number, handler in self._before.items():
             if signal.getsignal(number) == self._on_signal:
@@ -147,7 +153,6 @@ class StoppingRobot:
         atexit.unregister(self._robot.stop)
         if self._thread is not None:
             self._thread.join(timeout=1.0)
-        self._robot.close()
 
     def __enter__(self) -> Self:
         if threading.current_thread() is threading.main_thread():
