@@ -181,7 +181,7 @@ def _video_frames(capture: Any, path: Path, spacing: float | None) -> Iterator[t
                 stamp = 1e-3 * capture.get(cv2.CAP_PROP_POS_MSEC)
                 # Some files have no times of their own, or the same one twice.
                 t = stamp if spacing is None and stamp > t else t + usual
-            yield t, colours(image)
+            yield t, colours(np.asarray(image, np.uint8))
             number += 1
     finally:
         capture.release()
@@ -273,7 +273,7 @@ def _images(frames: list[tuple[float, Path]]) -> Iterator[tuple[float, Image]]:
         image: Any = cv2.imdecode(data, cv2.IMREAD_ANYCOLOR) if data.size else None
         if image is None or image.size == 0:
             raise FootageError(f"{file} cannot be read as an image")
-        yield t, colours(image)
+        yield t, colours(np.asarray(image, np.uint8))
 
 
 def _times(path: Path) -> list[tuple[float, Path]]:

@@ -73,7 +73,7 @@ def floor_texture(seed: int, size: int = 512) -> "NDArray[np.uint8]":
         small = rng.standard_normal((2**octave, 2**octave)).astype(np.float32)
         total += cv2.resize(small, (size, size), interpolation=cv2.INTER_CUBIC) / octave
     total /= float(np.abs(total).max())
-    return np.clip(150.0 + 45.0 * total, 0.0, 255.0).astype(np.uint8)
+    return np.asarray(np.clip(150.0 + 45.0 * total, 0.0, 255.0), np.uint8)
 
 
 def _png(picture: "NDArray[np.uint8]") -> bytes:
