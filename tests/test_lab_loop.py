@@ -1,0 +1,183 @@
+"""Whole runs in the simulated laboratory: from pixels to parked."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from parkproof.cli import main
+from parkproof.lab.devices import Missing, RobotLimits, RobotSilentError
+from parkproof.lab.loop import LabOutcome, run_lab
+from parkproof.lab.replay import replayed
+from parkproof.lab.settings import LabSettings
+from parkproof.lab.simulated import run_simulated, shown_goal
+from parkproof.lab.world.random_world import random_world
+from parkproof.lab.world.settings import WorldSettings
+from parkproof.lab.world.world import World
+
+SHORT = LabSettings(hold=2.0, duration=60.0)
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory) -> Path:
+    """The results of the command, made once."""
+    out = tmp_path_factory.mktemp("lab") / "run"
+    assert main(["lab", "--out", str(out), "--set", "hold=1.0", "--check", "--quiet"]) == 0
+    return out
+
+
+def test_the_command_parks_from_pixels_and_leaves_all_it_promises(made):
+    summary = json.loads((made / "summary.json").read_text())
+    assert summary["outcome"] == "parked"
+    assert summary["frames"]["out_of_view"] == 0
+    assert summary["image_error"]["px"] <= 1.0
+    assert summary["image_error"]["heading_deg"] <= 1.0
+    names = {path.name for path in made.iterdir()}
+    assert {
+        "goal.json", "overview.png", "run.mcap", "run.mp4", "strip.png", "trajectory.parquet"
+    } <= names  # fmt: skip
+
+
+def test_a_replay_gives_the_same_commands(made, capsys):
+    assert replayed(made / "run.mcap").same
+    assert main(["replay", str(made)]) == 0
+    assert "are the same" in capsys.readouterr().out
+
+
+def test_a_replay_with_other_settings_gives_other_commands(made, monkeypatch):
+    monkeypatch.setattr("parkproof.lab.parker.TOLERANCE", 0.3)
+    monkeypatch.setattr("parkproof.lab.plan.PACES", (0.5,))
+    found = replayed(made / "run.mcap")
+    assert not found.same
+    assert "differ" in found.sentence
+
+
+def test_a_distorting_lens_late_and_dropped_frames_and_unequal_motors_do_not_keep_it_from_parking():
+    with World(random_world(1, hard=True)) as world:
+        judged = run_simulated(world, shown_goal(world), settings=SHORT)
+    assert judged.run.outcome is LabOutcome.PARKED
+    assert judged.run.frames.dropped > 0
+    assert judged.run.frames.out_of_view == 0
+    assert judged.worst_image_error.distance <= 1.0
+    assert judged.true_error.distance <= 0.01 * judged.floor_width / 1.5
+
+
+def test_commands_stay_within_the_limits_of_a_weaker_robot():
+    weak = RobotLimits(
+        speed=0.12,
+        turn_rate=0.8,
+        acceleration=0.4,
+        turn_acceleration=3.0,
+        least_speed=0.012,
+        least_turn_rate=0.15,
+    )
+    given = WorldSettings()
+    robot = msgspec.structs.replace(given.robot, limits=weak)
+    with World(msgspec.structs.replace(given, robot=robot)) as world:
+        judged = run_simulated(world, shown_goal(world), settings=SHORT)
+    assert judged.run.outcome is LabOutcome.PARKED
+    assert max(abs(sample.v) for sample in judged.run.samples) <= 0.12
+    assert max(abs(sample.omega) for sample in judged.run.samples) <= 0.8
+
+
+class Ends:
+    """A camera that ends after some frames."""
+
+    def __init__(self, world: World, frames: int) -> None:
+        self._eye, self._left = world.camera, frames
+
+    def read(self, timeout: float):
+        self._left -= 1
+        return self._eye.read(timeout) if self._left >= 0 else Missing.ENDED
+
+    def close(self) -> None:
+        self._eye.close()
+
+
+class Silent:
+    """A robot that stops answering after some commands."""
+
+    def __init__(self, world: World, commands: int) -> None:
+        self._robot, self._left = world.robot, commands
+        self.stops = 0
+
+    @property
+    def limits(self) -> RobotLimits:
+        return self._robot.limits
+
+    def send(self, v: float, omega: float) -> None:
+        self._left -= 1
+        if self._left < 0:
+            raise RobotSilentError("the robot at nowhere has not answered for 0.5 s")
+        self._robot.send(v, omega)
+
+    def stop(self) -> None:
+        self.stops += 1
+        self._robot.stop()
+
+    def close(self) -> None:
+        self.stop()
+
+
+def test_a_camera_that_ends_and_a_robot_that_is_silent_end_the_run_with_the_robot_stopped():
+    with World() as world:
+        goal = shown_goal(world)
+        eye, clock = Ends(world, 40), world.clock
+        found = run_lab(eye, world.robot, clock, goal, settings=SHORT, realtime=False)
+        assert found.outcome is LabOutcome.CAMERA_ENDED
+        assert world._wanted == (0.0, 0.0)
+        robot = Silent(world, 40)
+        found = run_lab(world.camera, robot, clock, goal, settings=SHORT, realtime=False)
+        assert found.outcome is LabOutcome.ROBOT_SILENT
+        assert "0.5 s" in found.note
+        assert robot.stops > 0
+        assert world._wanted == (0.0, 0.0)
+
+
+def test_an_interrupted_run_stops_the_robot_and_keeps_what_there_is():
+    with World() as world:
+        goal = shown_goal(world)
+
+        def watch(_reading, answer) -> None:
+            if answer.t > 1.5:
+                raise KeyboardInterrupt
+
+        found = run_lab(
+            world.camera, world.robot, world.clock, goal,
+            settings=SHORT, watch=watch, realtime=False,
+        )  # fmt: skip
+        assert found.outcome is LabOutcome.INTERRUPTED
+        assert len(found.samples) > 10
+        assert world._wanted == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["--camera", "0"], "--goal"),
+        (["--seed", "1", "--world", "w.toml"], "--seed"),
+        (["--world", "none.toml"], "none.toml"),
+        (["--set", "hold=-1"], "hold"),
+        (["--set", "law=homogeneous"], "gains"),
+        (["--set", "nothing=1"], "nothing"),
+    ],
+)
+def test_bad_input_is_one_sentence_and_leaves_nothing(arguments, says, tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-m", "parkproof", "lab", "--out", str(tmp_path / "out"), *arguments],
+        capture_output=True, text=True, check=False, cwd=tmp_path,
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert says in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_replay_of_what_is_no_recording_is_refused(tmp_path, capsys):
+    path = tmp_path / "run.mcap"
+    path.write_bytes(b"not a recording")
+    assert main(["replay", str(path)]) == 2
+    assert "MCAP" in capsys.readouterr().err
