@@ -330,7 +330,7 @@ def test_the_simulator_runs_as_a_program_and_says_where_it_listens(opened):
 
 def test_the_simulator_as_a_program_refuses_a_bad_port_in_one_line():
     command = [sys.executable, "-m", "parkproof.lab.robot_simulator", "--port", "99999"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
     assert done.returncode == 2
     assert "port = 99999: cannot listen" in done.stderr
     assert "Traceback" not in done.stderr

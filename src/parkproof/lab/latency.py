@@ -80,7 +80,8 @@ class DelayFit:
     delay : float
         Time in s from a command to its effect at the time that the frames carry.
     delay_error : float
-        95 % of such measurements are off by less than this, in s.
+        95 % of such measurements are off by less than this, in s, if the robot is as the model
+        says. A wide dead-band makes it too small.
     lag : float
         Time constant in s with which the robot follows after the delay.
     total_error : float

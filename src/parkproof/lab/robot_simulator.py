@@ -25,6 +25,8 @@ from parkproof.validate import not_negative, positive
 DEAD_MAN = 0.3
 """A robot stops by itself when no command came for this time, in s."""
 
+LAST_PORT = 65535
+
 SMALL_ROBOT = WheelBase(wheel_radius=0.03, half_track=0.08)
 """Wheels of the simulated robot, for those who command wheels."""
 
@@ -125,6 +127,11 @@ class UdpRobotSimulator:
         self._heard = -math.inf
         self._number = 0
         self._closed = False
+        if not 0 <= port <= LAST_PORT:  # a library would take it modulo 65536
+            raise InputError(
+                f"port = {port}: cannot listen there: ports end at {LAST_PORT}; write 0 for a "
+                "free port"
+            )
         try:
             family, kind, protocol, _, place = socket.getaddrinfo(
                 host, port, type=socket.SOCK_DGRAM
@@ -133,7 +140,7 @@ class UdpRobotSimulator:
                 self._socket = stack.enter_context(socket.socket(family, kind, protocol))
                 self._socket.bind(place)
                 stack.pop_all()
-        except (OSError, OverflowError) as error:
+        except OSError as error:
             raise InputError(
                 f"port = {port}: cannot listen on {host}: {error}; write 0 for a free port"
             ) from error
