@@ -298,6 +298,11 @@ class Scenario(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         self.gains.check_law(self.law)
         if self.robot.kind == "velocity":
             self._check_velocity_commanded()
+        if self.robot.kind != "chained" and self.truth.b2 != 1.0:
+            raise InputError(
+                f'truth.b2 is a gain of the chained form, and robot.kind = "{self.robot.kind}" '
+                'takes v and ω or their rates: leave truth.b2 out, or write robot.kind = "chained"'
+            )
         self.truth.check(self.bounds)
         if self.camera is not None:
             self._check_camera(self.camera.view)
@@ -357,6 +362,11 @@ class Scenario(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         if self.truth.alpha != (1.0, 1.0):
             raise InputError(
                 "truth.alpha is the paper's camera and [camera] another: leave one of them out"
+            )
+        if self.truth.b2 != 1.0:
+            raise InputError(
+                "truth.b2 is a gain of the paper's plant, and under a [camera] it follows from the "
+                "camera: leave one of them out"
             )
         x, y, _ = self.start_pose
         if not view.sees(x, y):
