@@ -9,7 +9,7 @@ import pytest
 pytest.importorskip("flint", reason="needs parkproof[proof]")
 pytest.importorskip("clarabel", reason="needs parkproof[proof]")
 
-from parkproof.bounds import Limits
+from parkproof.bounds import Bounds, Limits
 from parkproof.cli import main
 from parkproof.errors import InputError
 from parkproof.laws.gains import Gains
@@ -20,10 +20,10 @@ from parkproof.proof.find_links import approach_link, two_chain_link
 from parkproof.proof.limits import over_limits
 from parkproof.proof.scaling import ThreeChainForm, TwoChainForm
 from parkproof.scenario_file import template
-from parkproof.spec import Aim, Spec, Starts, UncertainBounds, read_spec
+from parkproof.spec import Aim, Spec, Starts, read_spec
 
 NEAR = Starts(x0=(-0.2, 0.2), x1=(-0.1, 0.1), x2=(-0.1, 0.1))
-KNOWN = UncertainBounds(alpha=(0.8, 1.2), gamma=(1.0, 1.5), disturbance=0.5)
+KNOWN = Bounds(alpha=(0.8, 1.2), gamma=(1.0, 1.5), disturbance=0.5)
 
 
 def spec_with(engine="homogeneous", limits=None, **aim):

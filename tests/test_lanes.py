@@ -1,7 +1,7 @@
 """Compiled lanes against the plain reference, and the accuracy of their primitives."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import msgspec
@@ -9,9 +9,10 @@ import numba
 import numpy as np
 import pytest
 
-from parkproof.bounds import Limits
+from parkproof.bounds import Bounds, Limits
 from parkproof.errors import InputError
 from parkproof.laws.gains import Gains
+from parkproof.model.signals import Adversary, Constant, Noise, Sine
 from parkproof.model.truth import Truth
 from parkproof.scalar import sine, spow
 from parkproof.scenario import Robot, RunSettings, Scenario, Start
@@ -232,6 +233,58 @@ def test_rms_and_variation_of_a_trial_that_left_the_view_are_those_of_its_sample
     assert run.outcome is Outcome.OUT_OF_VIEW
     for name in ("rms_tau1", "rms_tau2", "total_variation_tau1", "total_variation_tau2"):
         assert lanes[name][0] == pytest.approx(values_of(run)[name], rel=1e-9), name
+
+
+# ------------------------------------------------------------------------------- gains that vary
+
+VARYING = {
+    "sines": Truth(
+        alpha=(Sine(mean=1.0, amplitude=0.4, omega=3.0), 0.7),
+        b2=Sine(mean=1.0, amplitude=0.2, omega=5.0, phase=1.0),
+    ),
+    "noise": Truth(
+        alpha=(1.2, Noise(mean=1.0, amplitude=0.4, bandwidth=9.0, seed=1)),
+        gamma=(Sine(mean=1.5, amplitude=0.5, omega=4.0), Constant(1.0)),
+        b2=Noise(mean=1.0, amplitude=0.2, bandwidth=20.0, seed=2),
+    ),
+    "constant": Truth(alpha=(1.1, 0.9), b2=0.8),
+    "adversary": Truth(alpha=(Adversary(), Adversary()), b2=Adversary()),
+    "plain": Truth(),
+}
+
+
+def varying(section4: Make, names: Sequence[str] = tuple(VARYING), **run: Any) -> list[Scenario]:
+    known = Bounds(alpha=(0.5, 1.5), gamma=(1.0, 2.0), disturbance=2.5, b2=(0.8, 1.2))
+    return [
+        section4(truth=VARYING[name], bounds=known, start=start, **COARSE, **run)
+        for start in (
+            Start(state=(-0.2, 0.3, -0.5, 1.6, 0.8)),
+            Start(pose=(-1.0, 0.5, 2.0), velocity=(0.5, 0.1)),
+        )
+        for name in names
+    ]
+
+
+def test_lanes_follow_gains_that_vary_as_the_reference_does(section4: Make) -> None:
+    given = varying(section4, duration=0.3)
+    lanes = simulate_ensemble(given)
+    for i, scenario in enumerate(given):
+        run = simulate(scenario)
+        for name, value in values_of(run).items():
+            turning = run.trajectory["step"][-1] == 0
+            if value is not None and not (turning and name in ("x2", "u0", "u1")):
+                assert lanes[name][i] == pytest.approx(value, rel=1e-9, abs=1e-9), (name, i)
+        assert lanes["max_heading"][i] > 0.0
+    headings = lanes["x2"][len(VARYING) :]  # of the same turn under five truths
+    assert len({round(float(theta), 6) for theta in headings}) == len(VARYING) - 1
+    assert headings[2] == pytest.approx(headings[3]), "constant 0.8, and the adversary's lowest"
+
+
+def test_a_lane_with_constant_gains_is_the_same_beside_one_whose_gains_vary(section4: Make) -> None:
+    mixed, constant = varying(section4, duration=1.0), ("constant", "adversary", "plain")
+    alone = varying(section4, constant, duration=1.0)
+    places = [mixed.index(scenario) for scenario in alone]
+    assert same(simulate_ensemble(alone), simulate_ensemble(mixed), places) == []
 
 
 # --------------------------------------------------------------------- a lane is a lane everywhere

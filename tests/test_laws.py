@@ -501,7 +501,7 @@ def test_prediction_is_what_the_chain_does_in_a_period_up_to_second_order(
     for h in (1e-4, 1e-2):
         p = parameters(SECTION4, Bounds(alpha=((0.5, 0.9), (1.0, 1.6))), h)
         ahead = predicted(*position, u0, u1, p)
-        true = chained_step(*position, u0, u1, 0.7, 1.3, *[tau1] * 3, *[tau2] * 3, h)
+        true = chained_step(*position, u0, u1, *[(0.7, 1.3, 1.0)] * 3, *[tau1] * 3, *[tau2] * 3, h)
         for guess, end, bound in zip(ahead, true, most, strict=False):
             assert abs(guess - end) <= bound * h * h + 1e-12
 

@@ -61,7 +61,9 @@ def test_chained_rates_are_those_of_the_unicycle_under_unequal_gains(theta, v, o
     c, s = math.cos(theta), math.sin(theta)
     x_dot, y_dot, theta_dot = unicycle_rates(v, omega, c, s)
     u0, u1 = chained_inputs(v, omega, s / c)
-    assert chained_rates(s / c, u0, u1, g0, g1) == near((g0 * x_dot, g1 * y_dot, theta_dot / c**2))
+    assert chained_rates(s / c, u0, u1, g0, g1, 1.0) == near(
+        (g0 * x_dot, g1 * y_dot, theta_dot / c**2)
+    )
 
 
 @pytest.mark.parametrize("turns", [-2, -1, 0, 1, 3])

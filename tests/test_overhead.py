@@ -121,6 +121,10 @@ def test_a_torque_commanded_robot_parks_under_a_tilted_camera():
     [
         ({"truth": Truth(alpha=(1.0, 1.2), outside_bounds=True)}, "leave one of them out"),
         ({"bounds": Bounds(alpha=(0.9, 1.1))}, "ranges over"),
+        (
+            {"truth": Truth(b2=1.1), "bounds": Bounds(alpha=(0.4, 1.8), b2=(0.9, 1.1))},
+            "truth.b2 is a gain of the paper's plant, and under a .camera. it follows",
+        ),
         ({"start": Start(pose=(50.0, 0.0, 0.0))}, "outside the picture"),
         ({"camera": None}, "needs a .camera"),
     ],

@@ -204,7 +204,10 @@ BAD = [
     ("[run]\nduraton = 3", '[run] duraton: unknown key; did you mean "duration"?'),
     ("[run]\nDuration = 3", '[run] Duration: unknown key; did you mean "duration"?'),
     ("[switching]\nduration = 3", '[switching] duration: unknown key; did you mean "duration" un'),
-    ("[truth]\nbeta = 3", "[truth] beta: unknown key; known keys: alpha, gamma, disturbance, outs"),
+    (
+        "[truth]\nbeta = 3",
+        "[truth] beta: unknown key; known keys: alpha, gamma, disturbance, b2, outs",
+    ),
     ('["a\\nb"]', "[a\\nb]: unknown table; known keys: title, law, bounds"),
     ('[run]\nduration = "abc"', '[run] duration: expected a number, got a string "abc"'),
     ("[run]\nduration = true", "[run] duration: expected a number, got true"),
@@ -244,6 +247,29 @@ BAD = [
         "[truth] alpha[0] = 7: outside its bounds [1, 1]; widen the bounds",
     ),
     ("[truth]\nalpha = [0, 1]", "[truth] alpha = 0.0: must be greater than 0"),
+    ("[truth]\nb2 = -1", "[truth] b2 = -1.0: must be greater than 0"),
+    (
+        '[truth]\nb2 = {kind = "sine", mean = 0.5, amplitude = 0.5, omega = 1}',
+        "[truth] b2 ranges over [0, 1]: must be greater than 0 at all times",
+    ),
+    ("[truth]\nb2 = 0.9", "[truth] b2 = 0.9: outside its bounds [1, 1]; widen the bounds"),
+    (
+        '[bounds]\nb2 = [0.9, 1.1]\n[truth]\nb2 = {kind = "square", amplitude = 1.2, omega = 1, '
+        "mean = 2}",
+        "[truth] b2 ranges over [0.8, 3.2], outside its bounds [0.9, 1.1]: widen the bounds",
+    ),
+    (
+        '[truth]\nb2 = "one"',
+        '[truth] b2: expected a number or a table with kind = "constant", "sine", "square", '
+        '"noise" or "adversary", got a string "one"',
+    ),
+    ('[truth]\nb2 = {kind = "sin"}', 'or "adversary", got a string "sin"; did you mean "sine"?'),
+    ("[truth]\nalpha = [1, true]", "[truth] alpha[1]: expected a number or a table with kind"),
+    (
+        '[bounds]\nb2 = [0.9, 1.1]\n[truth]\nb2 = 1.1\n[robot]\nkind = "torque"',
+        '[truth] b2 is a gain of the chained form, and robot.kind = "torque" takes',
+    ),
+    ("[bounds]\nb2 = [0, 1]", "[bounds] b2 = 0.0: must be greater than 0"),
     (
         f'[truth]\ngamma = [{{kind = "sin"}}, {ONE}]',
         '[truth] gamma[0].kind: expected "constant", "sine", "square", "noise" or "adversary", '
@@ -392,7 +418,7 @@ scenarios = st.builds(
     weights=st.none() | st.builds(Weights, k=st.tuples(positive, positive)),
     truth=st.builds(
         Truth,
-        alpha=st.tuples(st.floats(0.5, 1.5), st.floats(0.5, 1.5)),
+        alpha=st.tuples(st.floats(0.5, 1.5), st.floats(0.5, 1.5) | signals(1.2)),
         gamma=st.tuples(signals(1.5), signals(1.5)),
         disturbance=st.tuples(signals(0.0), signals(0.0)),
     ),
@@ -431,6 +457,18 @@ def only_plain(value: object) -> bool:
     if isinstance(value, list):
         return all(only_plain(inner) for inner in value)
     return type(value) in (bool, int, float, str)
+
+
+def test_a_b2_that_varies_comes_back_as_it_was() -> None:
+    waves = Sine(mean=1.0, amplitude=0.2, omega=3.0)
+    for b2 in (1.1, waves, Adversary()):
+        scenario = Scenario(
+            law="corrected",
+            bounds=Bounds(b2=(0.8, 1.2)),
+            truth=Truth(b2=b2),
+            start=Start(pose=(0.0, 0.0, 0.0)),
+        )
+        assert scenario_from_dict(resolved(scenario), where="here") == scenario
 
 
 @given(scenarios)

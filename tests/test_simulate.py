@@ -15,8 +15,8 @@ from parkproof.errors import InputError
 from parkproof.laws.controller import Command, measured_pose, measured_state
 from parkproof.laws.gains import Gains, Switching
 from parkproof.model.chained import ChainedState
-from parkproof.model.signals import Adversary, Constant, Sine
-from parkproof.model.truth import Truth, channel
+from parkproof.model.signals import Adversary, Constant, Sine, Square
+from parkproof.model.truth import Truth, channel, scales
 from parkproof.scenario import Robot, Scenario, Start
 from parkproof.simulation.metrics import metrics_of
 from parkproof.simulation.outcome import Outcome
@@ -316,11 +316,11 @@ def test_scaled_gains_give_the_same_run_in_scaled_time(section4: Make, kappa: fl
 
 
 def plant_of(kind: str, truth: Truth, bounds: Bounds, **start: object) -> Plant:
-    alpha1, alpha2 = truth.alpha
     return Plant(
         robot=kind,  # type: ignore[arg-type]  # a parameter of the test
         channels=(channel(0, truth, bounds), channel(1, truth, bounds)),
-        image_gains=lambda _x, _y, _c, _s: (alpha1, alpha2, 1.0),
+        image_gains=lambda _x, _y, _c, _s: (1.0, 1.0, 1.0),
+        scales=scales(truth, bounds),
         **start,  # type: ignore[arg-type]
     )
 
@@ -333,8 +333,18 @@ SMOOTH = Truth(
     ),
     disturbance=(Sine(amplitude=2.5, omega=5.0), Sine(amplitude=2.5, omega=3.0, phase=0.5)),
 )
+WAVES = Truth(
+    alpha=(
+        Sine(mean=1.0, amplitude=0.4, omega=3.0),
+        Sine(mean=1.0, amplitude=0.3, omega=2.0, phase=2.0),
+    ),
+    gamma=SMOOTH.gamma,
+    disturbance=SMOOTH.disturbance,
+    b2=Sine(mean=1.0, amplitude=0.5, omega=4.0, phase=1.0),
+)
 
 
+@pytest.mark.parametrize("truth", [SMOOTH, WAVES])
 @pytest.mark.parametrize(
     ("kind", "command"),
     [
@@ -345,10 +355,10 @@ SMOOTH = Truth(
     ],
 )
 def test_integration_is_of_fourth_order_on_smooth_signals(
-    bounds: Bounds, kind: str, command: Command
+    bounds: Bounds, kind: str, command: Command, truth: Truth
 ) -> None:
     def end(steps: int) -> np.ndarray:
-        plant = plant_of(kind, SMOOTH, bounds, pose=(0.1, -0.2, 0.4), velocity=(0.8, 0.3))
+        plant = plant_of(kind, truth, bounds, pose=(0.1, -0.2, 0.4), velocity=(0.8, 0.3))
         plant.advance(command, 0.0, 1.0, steps)
         m = plant.measurement(1.0)
         return np.array([m.x0, m.x1, m.theta, m.v, m.omega])
@@ -357,6 +367,32 @@ def test_integration_is_of_fourth_order_on_smooth_signals(
     errors = [float(np.abs(end(n) - exact).max()) for n in (8, 16, 32)]
     orders = [math.log2(a / b) for a, b in itertools.pairwise(errors)]
     assert all(3.7 < order < 4.6 for order in orders), orders
+
+
+@pytest.mark.parametrize("turning", [False, True])
+def test_b2_turns_the_heading_and_alpha_scales_the_path_as_they_vary(turning: bool) -> None:
+    """With u0, u1 (or v, ω) kept there are integrals in closed form."""
+    truth = Truth(
+        alpha=(Sine(mean=1.0, amplitude=0.4, omega=3.0), 1.0),
+        b2=Sine(mean=1.1, amplitude=0.5, omega=4.0),
+    )
+    pose, velocity = ((0.0, 0.0, 2.0), (0.0, 0.3)) if turning else ((0.0, 0.0, 0.0), (1.0, 0.3))
+    plant = plant_of("chained", truth, Bounds(), pose=pose, velocity=velocity)
+    plant.advance(Command(0 if turning else 2, 0.0, 0.0), 0.0, 1.5, 60)
+    m = plant.measurement(1.5)
+    angle = 0.3 * (1.1 * 1.5 + 0.5 * (1.0 - math.cos(6.0)) / 4.0)
+    assert (m.theta if turning else m.x2) == pytest.approx(2.0 + angle if turning else angle)
+    along = 0.0 if turning else 1.5 + 0.4 * (1.0 - math.cos(4.5)) / 3.0
+    assert m.x0 == pytest.approx(along)
+    assert m.omega == pytest.approx(0.3 if turning else 0.3 / (1.0 + angle**2))
+
+
+@pytest.mark.parametrize("name", ["alpha", "b2"])
+def test_gains_that_jump_are_integrated_in_smaller_steps(section4: Make, name: str) -> None:
+    jumps = Square(mean=1.0, amplitude=0.2, omega=3.0)
+    truth = Truth(b2=jumps) if name == "b2" else Truth(alpha=(1.0, jumps))
+    known = Bounds(alpha=(0.8, 1.2), b2=(0.8, 1.2))
+    assert plant_steps(section4(truth=truth, bounds=known, control_period=1e-2)) == 50
 
 
 def test_runge_kutta_is_exact_for_cubic_time() -> None:

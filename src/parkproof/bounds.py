@@ -41,6 +41,9 @@ class Bounds(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         Bounds 0 < γ_i^m ≤ γ_i(t) ≤ γ_i^M of the input gains. Default (1, 1).
     disturbance : float or pair of floats
         Bounds |φ_i(t)| ≤ φ_i^M of the disturbances. Default 0.
+    b2 : pair of floats
+        Range of b2 in ẋ2 = b2·u1, which is 1 for the paper's robot; an image unicycle's is measured
+        by the tag. No law uses it, but certificates do.
 
     Attributes
     ----------
@@ -52,7 +55,7 @@ class Bounds(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     Raises
     ------
     InputError
-        If a bound is not finite, crossed, or not positive (α, γ) or negative (φ).
+        If a bound is not finite, crossed, or not positive (α, γ, b2) or negative (φ).
 
     Examples
     --------
@@ -64,6 +67,7 @@ class Bounds(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     alpha: tuple[float | Interval, float | Interval] = (1.0, 1.0)
     gamma: tuple[float | Interval, float | Interval] = (1.0, 1.0)
     disturbance: float | Interval = 0.0
+    b2: Interval = (1.0, 1.0)
 
     def __post_init__(self) -> None:
         for name in ("alpha", "gamma"):
@@ -78,6 +82,8 @@ class Bounds(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         given = self.disturbance
         pair = tuple(given) if isinstance(given, tuple | list) else (given, given)
         force_setattr(self, "disturbance", tuple(not_negative("disturbance", x) for x in pair))
+        low, high = increasing("b2", self.b2)
+        force_setattr(self, "b2", (positive("b2", low, example=0.8), high))
 
     def alpha_of(self, channel: int) -> Interval:
         """Bounds of α in a channel (0 or 1)."""

@@ -193,7 +193,6 @@ def summary_of(run: "Run") -> dict[str, Any]:
 
     scenario = run.scenario
     reason = _outside_guarantee(scenario)
-    signals = (*scenario.truth.gamma, *scenario.truth.disturbance)
     summary = {
         "title": scenario.title,
         "law": scenario.law,
@@ -216,7 +215,7 @@ def summary_of(run: "Run") -> dict[str, Any]:
         "latency": scenario.run.delay,
         "plant_step": scenario.run.control_period / plant_steps(scenario),
         "version": __version__,
-        "seed": [signal.seed for signal in signals if isinstance(signal, Noise)],
+        "seed": [signal.seed for signal in scenario.truth.signals if isinstance(signal, Noise)],
         "scenario": resolved(scenario),
     }
     plain: dict[str, Any] = strict(summary)

@@ -298,6 +298,8 @@ class Scenario(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         self.gains.check_law(self.law)
         if self.robot.kind == "velocity":
             self._check_velocity_commanded()
+        if self.truth.b2 != 1.0:
+            self._check_b2()
         self.truth.check(self.bounds)
         if self.camera is not None:
             self._check_camera(self.camera.view)
@@ -352,6 +354,18 @@ class Scenario(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         if chained is not None:
             return body_inputs(chained.u0, chained.u1, chained.x2)
         return self.start.velocity or (0.0, 0.0)
+
+    def _check_b2(self) -> None:
+        if self.camera is not None:
+            raise InputError(
+                "truth.b2 is a gain of the paper's plant, and under a [camera] it follows from the "
+                "camera: leave one of them out"
+            )
+        if self.robot.kind != "chained":
+            raise InputError(
+                f'truth.b2 is a gain of the chained form, and robot.kind = "{self.robot.kind}" '
+                'takes v and ω or their rates: leave truth.b2 out, or write robot.kind = "chained"'
+            )
 
     def _check_camera(self, view: OverheadView) -> None:
         if self.truth.alpha != (1.0, 1.0):

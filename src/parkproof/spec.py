@@ -20,35 +20,6 @@ LARGEST_START = 1e3
 """No start may lie beyond this."""
 
 
-class UncertainBounds(Bounds, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Bounds of a specification: those of a scenario, and of the gain b2 in ẋ2 = b2·u1.
-
-    Parameters
-    ----------
-    alpha, gamma, disturbance
-        See `Bounds`. In a proof α, too, may vary in time.
-    b2 : pair of floats
-        Range of b2, which is 1 for the paper's robot; an image unicycle's is measured by the tag.
-
-    Raises
-    ------
-    InputError
-        If a range is crossed or not positive.
-
-    Examples
-    --------
-    >>> UncertainBounds(alpha=(0.5, 1.5), b2=(0.8, 1.25)).b2
-    (0.8, 1.25)
-    """
-
-    b2: Interval = (1.0, 1.0)
-
-    def __post_init__(self) -> None:
-        Bounds.__post_init__(self)
-        low, high = increasing("b2", self.b2)
-        force_setattr(self, "b2", (positive("b2", low, example=0.8), high))
-
-
 class Starts(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The box of starts: ranges of a chained state, or of a pose with a velocity.
 
@@ -188,8 +159,8 @@ class Spec(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
     Parameters
     ----------
-    bounds : UncertainBounds
-        What is uncertain.
+    bounds : Bounds
+        What is uncertain; in a proof α, too, may vary in time.
     starts : Starts
         From where. Default: at rest, |x0| ≤ 1, |x1| ≤ 0.5, |x2| ≤ 0.5.
     limits : Limits
@@ -207,11 +178,11 @@ class Spec(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
     Examples
     --------
-    >>> Spec(bounds=UncertainBounds(alpha=(0.5, 1.5))).starts.ranges["x0"]
+    >>> Spec(bounds=Bounds(alpha=(0.5, 1.5))).starts.ranges["x0"]
     (-1.0, 1.0)
     """
 
-    bounds: UncertainBounds
+    bounds: Bounds
     starts: Starts = AT_REST
     limits: Limits = Limits()
     design: Aim = Aim()
@@ -257,9 +228,8 @@ def read_spec(path: Path, *, overrides: Sequence[str] = ()) -> Spec:
     if root is Spec:
         return converted(data, Spec, where)
     scenario = scenario_from_dict(data, where=where)
-    known = scenario.bounds
     return Spec(
-        bounds=UncertainBounds(alpha=known.alpha, gamma=known.gamma, disturbance=known.disturbance),
+        bounds=scenario.bounds,
         starts=_point(scenario),
         limits=scenario.limits,
         gains=scenario.gains,

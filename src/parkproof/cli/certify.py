@@ -82,7 +82,6 @@ def certify(
         found = prove(
             law=law,
             bounds=spec.bounds,
-            b2=spec.bounds.b2,
             gains=spec.gains,
             switching=spec.switching,
             starts=spec.starts.ranges,

@@ -96,9 +96,9 @@ def body_inputs(u0: float, u1: float, x2: float) -> tuple[float, float]:
 
 @scalar
 def chained_rates(
-    x2: float, u0: float, u1: float, g0: float, g1: float
+    x2: float, u0: float, u1: float, g0: float, g1: float, b2: float
 ) -> tuple[float, float, float]:
-    """Rates of the chained form (5): ẋ0 = g0 u0, ẋ1 = g1 x2 u0, ẋ2 = u1.
+    """Rates of the chained form (5), with a gain b2: ẋ0 = g0 u0, ẋ1 = g1 x2 u0, ẋ2 = b2 u1.
 
     Parameters
     ----------
@@ -106,6 +106,8 @@ def chained_rates(
         tan θ and the two inputs.
     g0, g1 : float
         Image gains: (α1, α2) under the paper's camera, (a, a) in the robot's own image.
+    b2 : float
+        Gain of u1; 1 in the paper.
 
     Returns
     -------
@@ -115,10 +117,10 @@ def chained_rates(
     Examples
     --------
     >>> from parkproof.model.chained import chained_rates
-    >>> chained_rates(0.5, 2.0, 0.1, 1.5, 0.5)
+    >>> chained_rates(0.5, 2.0, 0.1, 1.5, 0.5, 1.0)
     (3.0, 0.5, 0.1)
     """
-    return g0 * u0, g1 * x2 * u0, u1
+    return g0 * u0, g1 * x2 * u0, b2 * u1
 
 
 @scalar

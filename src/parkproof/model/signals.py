@@ -1,4 +1,4 @@
-"""Named kinds of signals for γ(t) and φ(t): constant, sine, square, seeded noise, adversary."""
+"""Named kinds of signals for γ, φ, α and b2: constant, sine, square, seeded noise, adversary."""
 
 import math
 from typing import NamedTuple
@@ -239,7 +239,8 @@ class Adversary(
 ):
     """Makes Theorem 1's inequality as tight as the bounds allow, at every instant.
 
-    As a gain it is γ_i = γ_i^m; as a disturbance φ_i = −φ_i^M·sign τ̃_i, so nothing where τ̃_i = 0.
+    As a gain it is the lower bound, γ_i = γ_i^m, and so for α and b2; as a disturbance
+    φ_i = −φ_i^M·sign τ̃_i, so nothing where τ̃_i = 0.
 
     Examples
     --------

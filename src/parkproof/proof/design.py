@@ -64,8 +64,8 @@ class Design:
 
     Examples
     --------
-    >>> from parkproof.spec import UncertainBounds
-    >>> Design(Spec(bounds=UncertainBounds())).certificate is None
+    >>> from parkproof.bounds import Bounds
+    >>> Design(Spec(bounds=Bounds())).certificate is None
     True
     """
 
@@ -245,10 +245,10 @@ def design(
 
     Examples
     --------
-    >>> from parkproof.bounds import Limits
-    >>> from parkproof.spec import Aim, Starts, UncertainBounds
+    >>> from parkproof.bounds import Bounds, Limits
+    >>> from parkproof.spec import Aim, Starts
     >>> near = Starts(x0=(-0.2, 0.2), x1=(-0.1, 0.1), x2=(0, 0))
-    >>> spec = Spec(bounds=UncertainBounds(alpha=(0.9, 1.1)), starts=near,
+    >>> spec = Spec(bounds=Bounds(alpha=(0.9, 1.1)), starts=near,
     ...             limits=Limits(tau=(40, 40)), design=Aim(engine="homogeneous"))
     >>> found = design(spec, sweep=2, steps=2)
     >>> found.certificate["claim"]["max_tau"][1] < 40
@@ -318,7 +318,6 @@ def _certified(found: Design, progress: Callable[[str], None]) -> Design:
         result = certify(
             law="homogeneous" if candidate.law == "homogeneous" else "corrected",
             bounds=spec.bounds,
-            b2=spec.bounds.b2,
             gains=candidate.gains,
             switching=candidate.switching,
             starts=spec.starts.ranges,

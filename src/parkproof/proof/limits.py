@@ -23,9 +23,8 @@ def check_feasible(spec: Spec) -> None:
 
     Examples
     --------
-    >>> from parkproof.bounds import Limits
-    >>> from parkproof.spec import UncertainBounds
-    >>> known = UncertainBounds(gamma=(0.5, 1.0), disturbance=3.0)
+    >>> from parkproof.bounds import Bounds, Limits
+    >>> known = Bounds(gamma=(0.5, 1.0), disturbance=3.0)
     >>> check_feasible(Spec(bounds=known, limits=Limits(tau=(5.0, 5.0))))
     Traceback (most recent call last):
     ...

@@ -143,7 +143,6 @@ def certify(
     gains: Gains,
     switching: Switching | None = None,
     starts: Mapping[str, tuple[float, float]],
-    b2: tuple[float, float] = (1.0, 1.0),
     progress: Callable[[str], None] = lambda _: None,
 ) -> Certified:
     """Prove that whole runs park, from every start of a box, whatever is uncertain within bounds.
@@ -153,7 +152,7 @@ def certify(
     law : "corrected" or "homogeneous"
         The law, without steering in Step 3.
     bounds : Bounds
-        Of α, γ and φ; all may vary in time.
+        Of α, γ, φ and b2; all may vary in time.
     gains : Gains
         Its gains, with exponents that are ratios.
     switching : Switching, optional
@@ -161,8 +160,6 @@ def certify(
         with which the proof goes through.
     starts : mapping
         Ranges of x0, x1, x2, u0 and u1, or of x, y, theta, v and omega.
-    b2 : two floats
-        Range of b2 in ẋ2 = b2·u1.
     progress : callable
         Told what is being done.
 
@@ -198,7 +195,7 @@ def certify(
     chosen = switching or Switching(
         tolerance=(0.1 * gains.runup_speed, 0.01, 0.01), hysteresis=1e9, turn_tolerance=0.01
     )
-    section = law_section(law, gains, chosen)
+    section, b2 = law_section(law, gains, chosen), bounds.b2
     assumptions = {
         "alpha": [list(bounds.alpha_of(i)) for i in range(2)],
         "gamma": [list(bounds.gamma_of(i)) for i in range(2)],

@@ -111,14 +111,13 @@ def example_of(found: Design) -> Scenario:
     start = start_at({name: pair[1] for name, pair in box.items()})
     bounds = bounds_of(certificate)
     worst = (Adversary(), Adversary())
-    scales = (bounds.alpha_of(0)[0], bounds.alpha_of(1)[0])
     return Scenario(
         title=found.spec.title or "Designed gains",
         law=certificate["law"]["name"],
         bounds=bounds,
         gains=gains_of(certificate),
         switching=switching_of(certificate),
-        truth=Truth(alpha=scales, gamma=worst, disturbance=worst),
+        truth=Truth(alpha=worst, gamma=worst, disturbance=worst, b2=Adversary()),
         start=start,
         limits=found.spec.limits,
         run=RunSettings(

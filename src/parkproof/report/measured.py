@@ -28,12 +28,18 @@ def bounds_of(certificate: dict[str, Any]) -> Bounds:
     Returns
     -------
     Bounds
-        Without b2, which is 1 in runs.
+        Its bounds of α, γ, φ and b2.
     """
     given = certificate["assumptions"]
     one, two = given["disturbance"]
     alpha, gamma = ([(low, high) for low, high in given[name]] for name in ("alpha", "gamma"))
-    return Bounds(alpha=(alpha[0], alpha[1]), gamma=(gamma[0], gamma[1]), disturbance=(one, two))
+    low, high = given["b2"]
+    return Bounds(
+        alpha=(alpha[0], alpha[1]),
+        gamma=(gamma[0], gamma[1]),
+        disturbance=(one, two),
+        b2=(low, high),
+    )
 
 
 def gains_of(certificate: dict[str, Any]) -> Gains:
@@ -305,7 +311,8 @@ def sampling_bands(certificate: dict[str, Any], control_period: float) -> tuple[
 
     Examples
     --------
-    >>> given = {"alpha": [[1, 1], [1, 1]], "gamma": [[1, 2], [1, 1]], "disturbance": [2.5, 0]}
+    >>> given = {"alpha": [[1, 1], [1, 1]], "gamma": [[1, 2], [1, 1]],
+    ...          "disturbance": [2.5, 0], "b2": [1, 1]}
     >>> sampling_bands({"assumptions": given}, 0.001)
     (0.005, 0.0)
     """

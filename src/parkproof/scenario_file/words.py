@@ -58,9 +58,16 @@ def in_words(types: Types) -> str:
         for node in types
         if isinstance(node, inspect.StructType) and node.tag_field is not None
     }
+    plain_types = types if not tags else tuple(t for t in types if not _is_tagged(t))
+    words = list(dict.fromkeys(word for node in plain_types for word in _words(node)))
     if tags:
-        return f"a table with {next(iter(tags.values()))} = {one_of(list(tags))}"
-    return one_of(list(dict.fromkeys(word for node in types for word in _words(node))))
+        words.append(f"a table with {next(iter(tags.values()))} = {one_of(list(tags))}")
+    return one_of(words)
+
+
+def _is_tagged(node: inspect.Type) -> bool:
+    """Whether this is a table that states its kind."""
+    return isinstance(node, inspect.StructType) and node.tag_field is not None
 
 
 def _words(node: inspect.Type) -> list[str]:

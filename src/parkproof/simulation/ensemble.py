@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from parkproof.errors import InputError
 from parkproof.laws.parameters import LawParameters, law_parameters
-from parkproof.model.truth import channel
+from parkproof.model.truth import Resolved, channel, scales
 from parkproof.scenario import Scenario
 from parkproof.simulation.lanes.buffer import (
     BLOCK,
@@ -38,13 +38,23 @@ def _shared(scenario: Scenario) -> tuple[Any, ...]:
     )  # fmt: skip
 
 
+def _signals(trials: Sequence[Sequence[Resolved]], lanes: int, least: int) -> tuple[Floats, Floats]:
+    """Means and tones of each trial's signals, with room for at least so many tones."""
+    most = max(least, *(len(tones) for signals in trials for _, tones in signals))
+    means, waves = np.empty((len(trials[0]), lanes)), np.zeros((len(trials[0]), most, 4, lanes))
+    for j in range(lanes):
+        for i, (mean, tones) in enumerate(trials[min(j, len(trials) - 1)]):
+            means[i, j] = mean
+            for m, tone in enumerate(tones):
+                waves[i, m, :, j] = tone
+    return means, waves
+
+
 def _lanes(scenarios: Sequence[Scenario]) -> tuple[NDArray[Any], ...]:
     """Arrays of starts, truths and keys of noise, padded to whole blocks with the last trial."""
     channels = [[channel(i, s.truth, s.bounds) for i in range(2)] for s in scenarios]
-    most = max(1, *(len(x) for two in channels for c in two for x in (c.gamma_tones, c.phi_tones)))
     n = -(-len(scenarios) // BLOCK) * BLOCK
-    state, in_chart, alpha = np.empty((5, n)), np.empty(n), np.empty((2, n))
-    mean, tones, adversary = np.empty((4, n)), np.zeros((4, most, 4, n)), np.empty((2, n))
+    state, in_chart, adversary = np.empty((5, n)), np.empty(n), np.empty((2, n))
     keys = np.empty((2, n), dtype=np.int64)
     for j in range(n):
         k = min(j, len(scenarios) - 1)
@@ -52,15 +62,15 @@ def _lanes(scenarios: Sequence[Scenario]) -> tuple[NDArray[Any], ...]:
         chained = scenario.start.chained
         state[:, j] = chained or (*scenario.start_pose, *scenario.start_velocity)
         in_chart[j] = 1.0 if chained else 0.0
-        alpha[:, j] = scenario.truth.alpha
         keys[:, j] = keys_of(scenario.run.seed)
-        mean[:, j] = one.gamma_mean, two.gamma_mean, one.phi_mean, two.phi_mean
         adversary[:, j] = one.phi_adversary, two.phi_adversary
-        signals = (one.gamma_tones, two.gamma_tones, one.phi_tones, two.phi_tones)
-        for i, signal in enumerate(signals):
-            for m, tone in enumerate(signal):
-                tones[i, m, :, j] = tone
-    return state, in_chart, alpha, mean, tones, adversary, keys
+    inputs = [
+        (*((c.gamma_mean, c.gamma_tones) for c in two), *((c.phi_mean, c.phi_tones) for c in two))
+        for two in channels
+    ]
+    # where no α and no b2 varies there are no tones, and the kernel is done with them at once
+    gains = _signals([scales(s.truth, s.bounds) for s in scenarios], n, 0)
+    return state, in_chart, *gains, *_signals(inputs, n, 1), adversary, keys
 
 
 def simulate_ensemble(scenarios: Sequence[Scenario], *, threads: int = 1) -> dict[str, Any]:

@@ -18,11 +18,13 @@ from parkproof.model.chained import (
 )
 from parkproof.model.overhead import ImageGains
 from parkproof.model.signals import signal_value
-from parkproof.model.truth import Channel
+from parkproof.model.truth import Channel, Resolved
 from parkproof.model.unicycle import wrap_angle
 from parkproof.scalar import sign
 
 State = tuple[float, float, float, float, float]
+
+ONE: Resolved = (1.0, ())
 
 
 def runge_kutta(rates: Callable[[float, State], State], t: float, state: State, h: float) -> State:
@@ -116,6 +118,9 @@ class Plant:
         True input gains and disturbances. A velocity-commanded robot has none.
     image_gains : callable
         (x, y, cos θ, sin θ) → (g0, g1, β).
+    scales : three signals
+        α1, α2 and b2 as mean and tones. α1 and α2 multiply g0 and g1; b2 is for robots of kind
+        "chained".
     pose : three floats
         Start (x, y, θ) in the goal's image frame.
     velocity : two floats
@@ -141,6 +146,7 @@ class Plant:
         robot: RobotKind,
         channels: tuple[Channel, Channel],
         image_gains: ImageGains,
+        scales: tuple[Resolved, Resolved, Resolved] = (ONE, ONE, ONE),
         pose: tuple[float, float, float],
         velocity: tuple[float, float],
         chained: ChainedState | None = None,
@@ -148,6 +154,7 @@ class Plant:
         self._robot = robot
         self._channels = channels
         self._image_gains = image_gains
+        self._alpha, self._b2 = scales[:2], scales[2]
         self._in_chart = False
         self._state: State = (*pose, *velocity)
         if robot != "chained":
@@ -254,28 +261,38 @@ class Plant:
             )
         return self._rates
 
+    def _gains(
+        self, t: float, x: float, y: float, c: float, s: float
+    ) -> tuple[float, float, float]:
+        """Gains of the image at a pose and a time, and its turn gain."""
+        g0, g1, beta = self._image_gains(x, y, c, s)
+        one, two = self._alpha
+        return signal_value(*one, t) * g0, signal_value(*two, t) * g1, beta
+
     def _chained_rates(self, t: float, state: State) -> State:
         x0, x1, x2, u0, u1 = state
         c = 1.0 / math.sqrt(1.0 + x2 * x2)
-        g0, g1, _ = self._image_gains(x0, x1, c, x2 * c)
-        return (*chained_rates(x2, u0, u1, g0, g1), *self._input_rates(t))
+        g0, g1, _ = self._gains(t, x0, x1, c, x2 * c)
+        b2 = signal_value(*self._b2, t)
+        return (*chained_rates(x2, u0, u1, g0, g1, b2), *self._input_rates(t))
 
     def _turning_rates(self, t: float, state: State) -> State:
         x, y, theta, v, omega = state
         c, s = math.cos(theta), math.sin(theta)
-        g0, g1, _ = self._image_gains(x, y, c, s)
-        return (g0 * v * c, g1 * v * s, omega, *self._input_rates(t))
+        g0, g1, _ = self._gains(t, x, y, c, s)
+        b2 = signal_value(*self._b2, t)
+        return (g0 * v * c, g1 * v * s, b2 * omega, *self._input_rates(t))
 
     def _torque_rates(self, t: float, state: State) -> State:
         """The robot's own v and ω; its heading in the image turns at βω."""
         x, y, theta, v, omega = state
         c, s = math.cos(theta), math.sin(theta)
-        g0, g1, beta = self._image_gains(x, y, c, s)
+        g0, g1, beta = self._gains(t, x, y, c, s)
         return (g0 * v * c, g1 * v * s, beta * omega, *self._input_rates(t))
 
-    def _velocity_rates(self, t: float, state: State) -> State:  # noqa: ARG002  (same form as the others)
+    def _velocity_rates(self, t: float, state: State) -> State:
         x, y, theta, _, _ = state
         c, s = math.cos(theta), math.sin(theta)
-        g0, g1, beta = self._image_gains(x, y, c, s)
+        g0, g1, beta = self._gains(t, x, y, c, s)
         v, omega = self._first, self._second
         return (g0 * v * c, g1 * v * s, beta * omega, 0.0, 0.0)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from parkproof.laws.controller import Command, Controller, Measurement
 from parkproof.model.overhead import ImageGains
 from parkproof.model.signals import Square
-from parkproof.model.truth import channel
+from parkproof.model.truth import channel, scales
 from parkproof.scenario import DIVERGED_AT, Scenario
 from parkproof.simulation.metrics import Metrics, metrics_of
 from parkproof.simulation.outcome import Outcome
@@ -93,7 +93,7 @@ def plant_steps(scenario: Scenario) -> int:
     ...                      run=RunSettings(control_period=0.01)))
     10
     """
-    jumps = any(isinstance(s, Square) for s in (*scenario.truth.gamma, *scenario.truth.disturbance))
+    jumps = any(isinstance(signal, Square) for signal in scenario.truth.signals)
     step = scenario.run.plant_step or (2e-4 if jumps else 1e-3)
     return max(1, math.ceil(scenario.run.control_period / step - 1e-9))
 
@@ -104,7 +104,7 @@ def image_gains_of(scenario: Scenario) -> ImageGains:
     Parameters
     ----------
     scenario : Scenario
-        Its camera, or truth.alpha.
+        Its camera; the paper's, which has truth.alpha to multiply them, has none of its own.
 
     Returns
     -------
@@ -119,12 +119,7 @@ def image_gains_of(scenario: Scenario) -> ImageGains:
     """
     if scenario.camera is not None:
         return scenario.camera.view.gains
-    alpha1, alpha2 = scenario.truth.alpha
-
-    def gains(x: float, y: float, c: float, s: float) -> tuple[float, float, float]:  # noqa: ARG001
-        return alpha1, alpha2, 1.0
-
-    return gains
+    return lambda x, y, c, s: (1.0, 1.0, 1.0)  # noqa: ARG005
 
 
 def simulate(scenario: Scenario, *, progress: Callable[[float], None] | None = None) -> Run:
@@ -167,6 +162,7 @@ def simulate(scenario: Scenario, *, progress: Callable[[float], None] | None = N
             channel(1, scenario.truth, scenario.bounds),
         ),
         image_gains=image_gains_of(scenario),
+        scales=scales(scenario.truth, scenario.bounds),
         pose=scenario.start_pose,
         velocity=scenario.start_velocity,
         chained=scenario.start.chained,

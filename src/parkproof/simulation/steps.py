@@ -1,13 +1,17 @@
 """Integration steps of (6) in the chart, and of the turn outside it, as scalar functions.
 
 The classical Runge-Kutta method with the input held. The last states' rates γτ + φ do not depend on
-the state, so the caller gives them at the step's start, middle and end.
+the state, so the caller gives them at the step's start, middle and end, and likewise the gains α1,
+α2 and b2, which may vary in time.
 """
 
 from parkproof.model.chained import chained_rates
 from parkproof.scalar import cosine, scalar, sine
 
 FiveFloats = tuple[float, float, float, float, float]
+
+Scales = tuple[float, float, float]
+"""α1, α2 and b2."""
 
 
 @scalar
@@ -17,8 +21,9 @@ def chained_step(
     x2: float,
     u0: float,
     u1: float,
-    g0: float,
-    g1: float,
+    start: Scales,
+    middle: Scales,
+    end: Scales,
     start1: float,
     middle1: float,
     end1: float,
@@ -27,14 +32,14 @@ def chained_step(
     end2: float,
     h: float,
 ) -> FiveFloats:
-    """One Runge-Kutta step of the extended chained form (6).
+    """One Runge-Kutta step of the extended chained form (6), with b2.
 
     Parameters
     ----------
     x0, x1, x2, u0, u1 : float
         State.
-    g0, g1 : float
-        Image gains α1, α2.
+    start, middle, end : three floats each
+        α1, α2 and b2 at the step's start, middle and end.
     start1, middle1, end1, start2, middle2, end2 : float
         u̇0 and u̇1 at the step's start, middle and end.
     h : float
@@ -47,17 +52,20 @@ def chained_step(
 
     Examples
     --------
-    >>> chained_step(0.0, 0.0, 0.5, 1.0, 0.0, 1.0, 1.0, *[0.0] * 6, 0.1)
+    >>> chained_step(0.0, 0.0, 0.5, 1.0, 0.0, *[(1.0, 1.0, 1.0)] * 3, *[0.0] * 6, 0.1)
     (0.1, 0.05, 0.5, 1.0, 0.0)
     """
     half = 0.5 * h
-    p0, p1, p2 = chained_rates(x2, u0, u1, g0, g1)
+    a0, a1, a2 = start
+    m0, m1, m2 = middle
+    e0, e1, e2 = end
+    p0, p1, p2 = chained_rates(x2, u0, u1, a0, a1, a2)
     u0_q, u1_q = u0 + half * start1, u1 + half * start2
-    q0, q1, q2 = chained_rates(x2 + half * p2, u0_q, u1_q, g0, g1)
+    q0, q1, q2 = chained_rates(x2 + half * p2, u0_q, u1_q, m0, m1, m2)
     u0_r, u1_r = u0 + half * middle1, u1 + half * middle2
-    r0, r1, r2 = chained_rates(x2 + half * q2, u0_r, u1_r, g0, g1)
+    r0, r1, r2 = chained_rates(x2 + half * q2, u0_r, u1_r, m0, m1, m2)
     u0_s, u1_s = u0 + h * middle1, u1 + h * middle2
-    s0, s1, s2 = chained_rates(x2 + h * r2, u0_s, u1_s, g0, g1)
+    s0, s1, s2 = chained_rates(x2 + h * r2, u0_s, u1_s, e0, e1, e2)
     w = h / 6.0
     return (
         x0 + w * (p0 + 2.0 * (q0 + r0) + s0),
@@ -75,8 +83,9 @@ def turning_step(
     theta: float,
     v: float,
     omega: float,
-    g0: float,
-    g1: float,
+    start: Scales,
+    middle: Scales,
+    end: Scales,
     start1: float,
     middle1: float,
     end1: float,
@@ -85,14 +94,14 @@ def turning_step(
     end2: float,
     h: float,
 ) -> FiveFloats:
-    """One Runge-Kutta step outside the chart, where the inputs act on v and ω.
+    """One Runge-Kutta step outside the chart, where the inputs act on v and ω, and θ̇ = b2·ω.
 
     Parameters
     ----------
     x, y, theta, v, omega : float
         State.
-    g0, g1 : float
-        Image gains α1, α2.
+    start, middle, end : three floats each
+        α1, α2 and b2 at the step's start, middle and end.
     start1, middle1, end1, start2, middle2, end2 : float
         v̇ and ω̇ at the step's start, middle and end.
     h : float
@@ -105,30 +114,35 @@ def turning_step(
 
     Examples
     --------
-    >>> x, y, *_ = turning_step(0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, *[0.0] * 6, 0.1)
+    >>> x, y, *_ = turning_step(0.0, 0.0, 0.0, 1.0, 0.0, *[(1.0, 1.0, 1.0)] * 3, *[0.0] * 6, 0.1)
     >>> round(x, 12), round(y, 12)
     (0.1, 0.0)
     """
     half = 0.5 * h
-    v_mid, omega_mid = v + half * start1, omega + half * start2
-    theta_q = theta + half * omega
-    theta_r = theta + half * omega_mid
+    a0, a1, a2 = start
+    m0, m1, m2 = middle
+    e0, e1, e2 = end
+    v_q, omega_q = v + half * start1, omega + half * start2
     v_r, omega_r = v + half * middle1, omega + half * middle2
-    theta_s = theta + h * omega_r
     v_s, omega_s = v + h * middle1, omega + h * middle2
+    theta_q = theta + half * (a2 * omega)
+    theta_r = theta + half * (m2 * omega_q)
+    theta_s = theta + h * (m2 * omega_r)
     w = h / 6.0
     along = (
-        v * cosine(theta)
-        + 2.0 * (v_mid * cosine(theta_q) + v_r * cosine(theta_r))
-        + v_s * cosine(theta_s)
+        a0 * v * cosine(theta)
+        + 2.0 * (m0 * v_q * cosine(theta_q) + m0 * v_r * cosine(theta_r))
+        + e0 * v_s * cosine(theta_s)
     )
     across = (
-        v * sine(theta) + 2.0 * (v_mid * sine(theta_q) + v_r * sine(theta_r)) + v_s * sine(theta_s)
+        a1 * v * sine(theta)
+        + 2.0 * (m1 * v_q * sine(theta_q) + m1 * v_r * sine(theta_r))
+        + e1 * v_s * sine(theta_s)
     )
     return (
-        x + w * g0 * along,
-        y + w * g1 * across,
-        theta + w * (omega + 2.0 * (omega_mid + omega_r) + omega_s),
+        x + w * along,
+        y + w * across,
+        theta + w * (a2 * omega + 2.0 * (m2 * omega_q + m2 * omega_r) + e2 * omega_s),
         v + w * (start1 + 4.0 * middle1 + end1),
         omega + w * (start2 + 4.0 * middle2 + end2),
     )

@@ -57,20 +57,23 @@ def stress_truths(bounds: Bounds, *, count: int, seed: int) -> Sequence[Truth]:
 
     Examples
     --------
-    >>> one, two = stress_truths(Bounds(alpha=(0.5, 1.5), disturbance=2.5), count=2, seed=0)
-    >>> 0.5 <= one.alpha[0] <= 1.5 and one != two
+    >>> one, two = stress_truths(Bounds(alpha=(0.5, 1.5), b2=(0.8, 1.2)), count=2, seed=0)
+    >>> one != two
     True
+    >>> one.check(Bounds(alpha=(0.5, 1.5), b2=(0.8, 1.2)))
     """
     truths = []
     for i in range(count):
         draw = random.Random(f"{seed}:{i}")
-        scales = []
-        for j in range(2):
-            low, high = bounds.alpha_of(j)
-            scales.append(draw.choice((low, high, draw.uniform(low, high))))
         one, two = (_between(*bounds.gamma_of(j), draw) for j in range(2))
         push1, push2 = (_push(bounds.disturbance_of(j), draw) for j in range(2))
+        along, across = (_between(*bounds.alpha_of(j), draw) for j in range(2))
         truths.append(
-            Truth(alpha=(scales[0], scales[1]), gamma=(one, two), disturbance=(push1, push2))
+            Truth(
+                alpha=(along, across),
+                gamma=(one, two),
+                disturbance=(push1, push2),
+                b2=_between(*bounds.b2, draw),
+            )
         )
     return truths

@@ -23,6 +23,9 @@ ROWS = (
     "gamma1", "gamma2", "phi1", "phi2",
     "gamma1_mid", "gamma2_mid", "phi1_mid", "phi2_mid",
     "gamma1_end", "gamma2_end", "phi1_end", "phi2_end",
+    "alpha1", "alpha2", "b2",
+    "alpha1_mid", "alpha2_mid", "b2_mid",
+    "alpha1_end", "alpha2_end", "b2_end",
 )  # fmt: skip
 """Rows of a block's buffer. One buffer, so that the compiler sees that rows never overlap."""
 
@@ -46,6 +49,9 @@ largest |θ| outside the chart."""
     GAMMA1, GAMMA2, PHI1, PHI2,
     GAMMA1_MID, GAMMA2_MID, PHI1_MID, PHI2_MID,
     GAMMA1_END, GAMMA2_END, PHI1_END, PHI2_END,
+    ALPHA1, ALPHA2, B2,
+    ALPHA1_MID, ALPHA2_MID, B2_MID,
+    ALPHA1_END, ALPHA2_END, B2_END,
 ) = range(len(ROWS))  # fmt: skip
 
 

@@ -29,7 +29,6 @@ from parkproof.simulation.lanes.buffer import (
     END0,
     ENDED,
     ENDED_AT,
-    GAMMA1,
     HIGH0,
     KEPT,
     LOW0,
@@ -53,7 +52,7 @@ from parkproof.simulation.lanes.buffer import (
     WAY,
 )
 from parkproof.simulation.lanes.metrics import count, measure, watch
-from parkproof.simulation.lanes.plant import advance_all, change_coordinates, fill_signals
+from parkproof.simulation.lanes.plant import advance_all, begin_signals, change_coordinates
 from parkproof.simulation.lanes.sensor import end_misled, end_unseen, see, seen_pose
 from parkproof.simulation.polynomials import OPTIONS, register
 
@@ -80,10 +79,10 @@ def kernel_of(law_name: str, *, implicit: bool, exact: bool = True) -> Callable[
     Returns
     -------
     callable
-        ``kernel(p, clock, limits, sensing, state, in_chart, alpha, mean, tones, adversary, keys,
-        out)``: carries out the trials of one block of `BLOCK` lanes, reading arrays whose last
-        axis is the lane and writing the rows `RESULTS` into ``out``. It releases the interpreter
-        lock.
+        ``kernel(p, clock, limits, sensing, state, in_chart, scale_mean, scale_tones, mean, tones,
+        adversary, keys, out)``: carries out the trials of one block of `BLOCK` lanes, reading
+        arrays whose last axis is the lane and writing the rows `RESULTS` into ``out``. It releases
+        the interpreter lock.
 
     Examples
     --------
@@ -190,8 +189,9 @@ def kernel_of(law_name: str, *, implicit: bool, exact: bool = True) -> Callable[
 
     @compiled
     def kernel(
-        p, clock, limits, sensing, state, in_chart, alpha, mean, tones, adversary, keys, out
-    ):
+        p, clock, limits, sensing, state, in_chart, scale_mean, scale_tones, mean, tones,
+        adversary, keys, out,
+    ):  # fmt: skip
         b = np.zeros((len(ROWS), BLOCK))
         for j in range(BLOCK):
             for i in range(5):
@@ -205,7 +205,7 @@ def kernel_of(law_name: str, *, implicit: bool, exact: bool = True) -> Callable[
         if not exact:
             see(b, ring, 0, sensing, keys)
         begin(b, p)
-        fill_signals(b, mean, tones, 0.0, GAMMA1)
+        begin_signals(b, mean, tones, scale_mean, scale_tones)
         for k in range(clock.samples + 1):
             t = k * clock.period
             if not exact and k > 0:
@@ -220,8 +220,9 @@ def kernel_of(law_name: str, *, implicit: bool, exact: bool = True) -> Callable[
                 break
             if k < clock.samples:
                 advance_all(
-                    b, turning, alpha, mean, tones, adversary, t, clock.period, clock.plant_steps
-                )
+                    b, turning, scale_mean, scale_tones, mean, tones, adversary,
+                    t, clock.period, clock.plant_steps,
+                )  # fmt: skip
         for i in range(out.shape[0]):
             for j in range(BLOCK):
                 out[i, j] = b[i, j]

@@ -11,6 +11,9 @@ from parkproof.model.chained import body_inputs, chained_inputs
 from parkproof.model.signals import tone_value
 from parkproof.scalar import sign
 from parkproof.simulation.lanes.buffer import (
+    ALPHA1,
+    ALPHA1_END,
+    ALPHA1_MID,
     BLOCK,
     CHART,
     ENDED,
@@ -38,8 +41,8 @@ inlined = numba.njit(forceinline=True, **OPTIONS)
 
 @compiled
 def fill_signals(b, mean, tones, t, row):
-    """Write γ1, γ2, φ1, φ2 at time t into four rows."""
-    for i in range(4):
+    """Write γ1, γ2, φ1, φ2 or α1, α2, b2 at time t into as many rows."""
+    for i in range(mean.shape[0]):
         for j in range(BLOCK):
             b[row + i, j] = mean[i, j]
         for m in range(tones.shape[1]):
@@ -75,18 +78,32 @@ def rates(b, j, row, adversary1, adversary2):
     return b[row, j] * tau1 + phi1, b[row + 1, j] * tau2 + phi2
 
 
+@compiled
+def begin_signals(b, mean, tones, scale_mean, scale_tones):
+    """Fill the rows for the start of the run; constant α1, α2, b2 are then never filled again."""
+    fill_signals(b, mean, tones, 0.0, GAMMA1)
+    for row in (ALPHA1, ALPHA1_MID, ALPHA1_END):
+        fill_signals(b, scale_mean, scale_tones, 0.0, row)
+
+
 @inlined
-def advance_lane(b, j, alpha, adversary, h, in_chart):
+def scales_at(b, j, row):
+    """Give α1, α2 and b2 of three rows."""
+    return b[row, j], b[row + 1, j], b[row + 2, j]
+
+
+@inlined
+def advance_lane(b, j, adversary, h, in_chart):
     """Move a lane by one integration step, if it is still running and in these coordinates."""
     a1, a2 = rates(b, j, GAMMA1, adversary[0, j], adversary[1, j])
     m1, m2 = rates(b, j, GAMMA1_MID, adversary[0, j], adversary[1, j])
     e1, e2 = rates(b, j, GAMMA1_END, adversary[0, j], adversary[1, j])
     s0, s1, s2, s3, s4 = b[S0, j], b[S1, j], b[S2, j], b[S3, j], b[S4, j]
-    g0, g1 = alpha[0, j], alpha[1, j]
+    a, m, e = scales_at(b, j, ALPHA1), scales_at(b, j, ALPHA1_MID), scales_at(b, j, ALPHA1_END)
     if in_chart:
-        n0, n1, n2, n3, n4 = chained_step(s0, s1, s2, s3, s4, g0, g1, a1, m1, e1, a2, m2, e2, h)
+        n0, n1, n2, n3, n4 = chained_step(s0, s1, s2, s3, s4, a, m, e, a1, m1, e1, a2, m2, e2, h)
     else:
-        n0, n1, n2, n3, n4 = turning_step(s0, s1, s2, s3, s4, g0, g1, a1, m1, e1, a2, m2, e2, h)
+        n0, n1, n2, n3, n4 = turning_step(s0, s1, s2, s3, s4, a, m, e, a1, m1, e1, a2, m2, e2, h)
     moved = math.sqrt((n0 - s0) * (n0 - s0) + (n1 - s1) * (n1 - s1))
     moves = b[ENDED, j] == 0.0 and b[CHART, j] == (1.0 if in_chart else 0.0)
     b[PATH, j] += moved if moves else 0.0
@@ -98,17 +115,25 @@ def advance_lane(b, j, alpha, adversary, h, in_chart):
 
 
 @compiled
-def advance_all(b, turning, alpha, mean, tones, adversary, t, h, steps):
+def advance_all(b, turning, scale_mean, scale_tones, mean, tones, adversary, t, h, steps):
     """Move all lanes by one control period."""
     part = h / steps
+    vary = scale_tones.shape[1] > 0
     for i in range(steps):
         fill_signals(b, mean, tones, t + i * part + 0.5 * part, GAMMA1_MID)
         fill_signals(b, mean, tones, t + i * part + part, GAMMA1_END)
+        if vary:
+            fill_signals(b, scale_mean, scale_tones, t + i * part + 0.5 * part, ALPHA1_MID)
+            fill_signals(b, scale_mean, scale_tones, t + i * part + part, ALPHA1_END)
         for j in range(BLOCK):
-            advance_lane(b, j, alpha, adversary, part, True)
+            advance_lane(b, j, adversary, part, True)
         if turning > 0:
             for j in range(BLOCK):
-                advance_lane(b, j, alpha, adversary, part, False)
+                advance_lane(b, j, adversary, part, False)
         for k in range(4):
             for j in range(BLOCK):
                 b[GAMMA1 + k, j] = b[GAMMA1_END + k, j]
+        if vary:
+            for k in range(3):
+                for j in range(BLOCK):
+                    b[ALPHA1 + k, j] = b[ALPHA1_END + k, j]
