@@ -178,7 +178,8 @@ class _Search:
         from scipy.optimize import minimize
         from scipy.stats import qmc
 
-        points = qmc.Sobol(3, seed=0).random(sweep)
+        # of any number of points the first; scipy warns of all but powers of two
+        points = qmc.Sobol(3, seed=0).random_base2((sweep - 1).bit_length())[:sweep]
         prices = []
         for i, point in enumerate(points):
             prices.append((self.price(point), tuple(point)))

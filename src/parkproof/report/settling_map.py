@@ -88,7 +88,7 @@ def headings_of(low: float, high: float, *, limit: float) -> list[float]:
     ([0.1], [-0.5, 0.0, 0.5])
     >>> headings_of(-3.0, 3.0, limit=0.5)
     [-3.0, -1.5, 0.0, 1.5, 3.0]
-    >>> headings_of(-3.1416, 3.1416, limit=0.5)
+    >>> [round(angle, 4) for angle in headings_of(-3.1416, 3.1416, limit=0.5)]
     [-1.5708, 0.0, 1.5708, 3.1416]
     """
     if low == high:
