@@ -87,8 +87,9 @@ def design(
             found = _search(wanted, scale, work, report, pictures=not no_pictures)
             names = sorted(path.name for path in work.iterdir())
     except _NotFoundError as error:
-        console.print(f"Nothing is proved: {error}.", soft_wrap=True)
-        return 1
+        begin = "Interrupted: n" if error.interrupted else "N"
+        console.print(f"{begin}othing is proved: {error}.", soft_wrap=True)
+        return 130 if error.interrupted else 1
     _print(found, console)
     print_files(console, directory, names)
     return 130 if found.interrupted else 0
@@ -100,6 +101,10 @@ LARGEST_EFFORT = 1e3
 
 class _NotFoundError(Exception):
     """There are no gains, or none were found; what was begun of the results is taken away."""
+
+    def __init__(self, reason: str, *, interrupted: bool = False) -> None:
+        super().__init__(reason)
+        self.interrupted = interrupted
 
 
 def _wanted(spec: Path, settings: "Sequence[str]") -> "Spec":
@@ -137,7 +142,7 @@ def _search(
     except InputError as error:  # no Lyapunov function for so wide a range
         raise _NotFoundError(str(error)) from error
     if found.certificate is None:
-        raise _NotFoundError(found.reason)
+        raise _NotFoundError(found.reason, interrupted=found.interrupted)
     write_design(found, work, pictures=pictures, progress=report)
     return found
 

@@ -22,7 +22,8 @@ def check_target(path: Path, *, overwrite: bool) -> None:
     Raises
     ------
     InputError
-        If it is a directory, or exists and may not be replaced, or its folder is missing.
+        If it is a directory, or exists and may not be replaced, or its folder is missing or cannot
+        be written to.
 
     Examples
     --------
@@ -39,6 +40,14 @@ def check_target(path: Path, *, overwrite: bool) -> None:
         )
     if not path.parent.is_dir():
         raise InputError(f"{path}: there is no folder {path.parent}; make it, or choose another")
+    if path.exists() and not path.is_file():  # a device or a pipe
+        return
+    trial = _sibling(path.resolve())
+    try:
+        trial.touch(exist_ok=False)
+        trial.unlink()
+    except OSError as error:
+        raise InputError(why_not(OSError(error.errno, error.strerror, str(path)))) from error
 
 
 def write_file(path: Path, text: str, *, overwrite: bool) -> None:
@@ -83,8 +92,13 @@ def write_file(path: Path, text: str, *, overwrite: bool) -> None:
         raise InputError(why_not(OSError(number, cause, str(path)))) from error
 
 
+def _sibling(target: Path) -> Path:
+    """A new hidden name beside a file."""
+    return target.with_name(f".{target.name[:100]}.new-{secrets.token_hex(4)}")
+
+
 def _write_whole(target: Path, text: str) -> None:
-    work = target.with_name(f".{target.name[:100]}.new-{secrets.token_hex(4)}")
+    work = _sibling(target)
     try:
         with work.open("x", encoding="utf-8") as file:
             file.write(text)

@@ -273,7 +273,11 @@ def design(
     except KeyboardInterrupt:
         found.interrupted = True
     if found.chosen is None:
-        found.reason = "no gains were found for which whole runs are proved to park"
+        found.reason = (
+            "the search was stopped before it found any gains"
+            if found.interrupted
+            else "no gains were found for which whole runs are proved to park"
+        )
         return found
     if over_limits(found.chosen, spec):
         found.reason = nearest(spec, found.looked_at, found.chosen)
