@@ -175,6 +175,72 @@ def test_check_gives_the_same_numbers_to_programs(capsys):
     assert data["holds"] == {"step2": False, "step3": False}
 
 
+@pytest.fixture
+def homogeneous(tmp_path, monkeypatch, capsys):
+    pytest.importorskip("flint", reason="needs parkproof[proof]")
+    monkeypatch.chdir(tmp_path)
+    main(["init", "--kind", "homogeneous", "--out", "own.toml"])
+    capsys.readouterr()
+    return "own.toml"
+
+
+def test_check_judges_the_homogeneous_law_by_its_matrix_inequality(homogeneous, capsys):
+    text = words(said(capsys, "check", homogeneous))
+    assert "Step 2: satisfied by the matrix inequality." in text
+    assert "largest |tau2| 20, at every state" in text
+    assert "(16)" not in text
+    assert "(19')" in text
+    data = json.loads(said(capsys, "check", homogeneous, "--json"))
+    inequality = data["step2"]["matrix_inequality"]
+    assert inequality["b1"] == pytest.approx([0.4995, 1.5015])  # |u0| is 1 up to the tolerance
+    assert 0.12 < inequality["rate"] < 0.125  # the template's 8.1 s
+    assert data["step2"]["largest_tau2"] == pytest.approx(20.0, abs=1e-3)
+    assert data["holds"] == {"step2": True, "step3": False}
+    assert "k" not in data["weights"]
+
+
+def test_check_fails_where_the_homogeneous_law_is_too_weak_or_its_bounds_too_wide(
+    homogeneous, capsys
+):
+    quiet = ["--set", "truth.outside_bounds=true", "--json"]
+    step3 = ["--set", "gains.k=[1.5, 20]", "--set", "gains.q2=0.95"]
+    strong = said(capsys, "check", homogeneous, *quiet, *step3, "--check")
+    assert json.loads(strong)["holds"] == {"step2": True, "step3": True}
+    for setting, dominated in (("bounds.disturbance=25", False), ("bounds.alpha=[0.1,3]", True)):
+        weak = ["check", homogeneous, *quiet, *step3, "--set", setting]
+        data = json.loads(said(capsys, *weak, "--check", status=1))
+        assert data["step2"]["matrix_inequality"]["rate"] is None
+        assert data["step2"]["disturbance_dominated"]["holds"] is dominated
+        assert data["holds"] == {"step2": False, "step3": True}
+
+
+def test_check_says_what_to_install_where_it_cannot_judge(homogeneous, capsys, monkeypatch):
+    monkeypatch.setattr("parkproof.extras.find_spec", lambda _: None)
+    text = words(said(capsys, "check", homogeneous))
+    assert "Step 2: not judged" in text
+    assert "pip install 'parkproof[proof]'" in text
+    assert "Step 3: not satisfied" in text
+    assert json.loads(said(capsys, "check", homogeneous, "--json"))["holds"]["step2"] is None
+    assert main(["check", homogeneous, "--check"]) == 2
+    assert "pip install" in capsys.readouterr().err
+
+
+def test_check_takes_gains_of_a_design_with_their_range_of_b2(homogeneous, capsys):
+    given = tomllib.loads(Path(homogeneous).read_text())["gains"]
+    Path("gains.toml").write_text(
+        'law = "homogeneous"\n[bounds]\nalpha = [0.5, 1.5]\nb2 = [1.0, 1.01]\n'
+        "[starts]\nx0 = [-1.0, 1.0]\nx1 = [-0.5, 0.5]\nx2 = [0.0, 0.0]\n"
+        f"[gains]\nellipsoid = {given['ellipsoid']}\nfeedback = {given['feedback']}\n"
+        "[switching]\ntolerance = [0.1, 0.01, 0.01]\n"
+    )
+    inequality = json.loads(said(capsys, "check", "gains.toml", "--json"))["step2"]
+    assert inequality["matrix_inequality"]["b2"] == [1.0, 1.01]
+    assert inequality["matrix_inequality"]["b1"] == pytest.approx([0.45, 1.65])
+    Path("spec.toml").write_text("[bounds]\n[design]\n")
+    assert main(["check", "spec.toml"]) == 2
+    assert "no [gains] to check" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("form", ["printed", "sharp"])
 def test_search_writes_gains_that_check_accepts_and_passes(form, tmp_path, capsys):
     path = tmp_path / "gains.toml"

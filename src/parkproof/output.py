@@ -70,7 +70,7 @@ def output_directory(path: Path | str, *, overwrite: bool = False) -> Iterator[P
         made = _make_parents(target)
     except (OSError, RuntimeError) as error:  # RuntimeError: links that go round in a circle
         raise _as_input_error(path, error) from error
-    work = _sibling(target, "new")
+    work = sibling(target, "new")
     try:
         work.mkdir()
         yield work
@@ -136,7 +136,7 @@ def replace_file(target: Path, content: str | bytes) -> None:
     >>> [path.name for path in directory.iterdir()]
     ['note.txt']
     """
-    work = _sibling(target, "new")
+    work = sibling(target, "new")
     try:
         with work.open("xb") as file:
             file.write(content.encode() if isinstance(content, str) else content)
@@ -148,8 +148,26 @@ def replace_file(target: Path, content: str | bytes) -> None:
             work.unlink()
 
 
-def _sibling(target: Path, purpose: str) -> Path:
-    """A new hidden name beside the target, so that renaming stays on one file system."""
+def sibling(target: Path, purpose: str) -> Path:
+    """Give a new hidden name beside a target, so that renaming stays on one file system.
+
+    Parameters
+    ----------
+    target : Path
+        The file or directory.
+    purpose : str
+        A word in the name.
+
+    Returns
+    -------
+    Path
+        Nothing is there.
+
+    Examples
+    --------
+    >>> sibling(Path("run"), "new").name.startswith(".run.new-")
+    True
+    """
     return target.with_name(f".{target.name[:100]}.{purpose}-{secrets.token_hex(4)}")
 
 
@@ -217,7 +235,7 @@ def _move_into_place(work: Path, target: Path) -> None:
     if not target.exists():
         work.rename(target)
         return
-    aside = _sibling(target, "old")
+    aside = sibling(target, "old")
     try:
         target.rename(aside)
         work.rename(target)

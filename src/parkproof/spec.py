@@ -19,6 +19,12 @@ from parkproof.validate import increasing, not_negative, positive
 LARGEST_START = 1e3
 """No start may lie beyond this."""
 
+LEAST, LARGEST = 1e-9, 1e9
+"""Bounds and limits lie between them, so that their powers stay within the floats."""
+
+SHORTEST_PERIOD, LONGEST_PERIOD, LONGEST_LATENCY, LARGEST_NOISE = 1e-5, 1.0, 1.0, 1e3
+"""What the runs beside a proof can be carried out with; known before the long search for it."""
+
 
 class Starts(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The box of starts: ranges of a chained state, or of a pose with a velocity.
@@ -140,6 +146,17 @@ class Aim(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
             force_setattr(self, name, positive(name, getattr(self, name), example=0.01))
         for name in ("noise", "latency"):
             force_setattr(self, name, not_negative(name, getattr(self, name)))
+        between = {
+            "control_period": (SHORTEST_PERIOD, LONGEST_PERIOD),
+            "latency": (0.0, LONGEST_LATENCY),
+            "noise": (0.0, LARGEST_NOISE),
+        }
+        for name, (low, high) in between.items():
+            if not low <= (value := getattr(self, name)) <= high:
+                raise InputError(
+                    f"[design] {name} = {value:g}: must lie between {low:g} and {high:g}; write "
+                    f"for example {name} = 0.001"
+                )
         if self.time_limit is not None:
             force_setattr(self, "time_limit", positive("time_limit", self.time_limit, example=20))
         elif self.aim != "time":
@@ -176,6 +193,11 @@ class Spec(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     title : str
         For reports.
 
+    Raises
+    ------
+    InputError
+        If a limit is beyond all measure.
+
     Examples
     --------
     >>> Spec(bounds=Bounds(alpha=(0.5, 1.5))).starts.ranges["x0"]
@@ -190,6 +212,29 @@ class Spec(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     switching: Switching | None = None
     law: Literal["published", "corrected", "homogeneous"] | None = None
     title: str = ""
+
+    def __post_init__(self) -> None:
+        known = self.bounds
+        for name, values in (
+            ("alpha", (*known.alpha_of(0), *known.alpha_of(1))),
+            ("gamma", (*known.gamma_of(0), *known.gamma_of(1))),
+            ("disturbance", [LEAST + known.disturbance_of(i) for i in range(2)]),
+            ("b2", known.b2),
+        ):
+            if min(values) < LEAST or max(values) > LARGEST:
+                raise InputError(
+                    f"{name} = {getattr(known, name)}: must lie between {LEAST:g} and "
+                    f"{LARGEST:g}; scale the units"
+                )
+        limits = self.limits
+        for name in ("tau", "speed", "turn_rate", "view"):
+            given = getattr(limits, name)
+            values = given if isinstance(given, tuple) else (given or 0.0,)
+            if max(map(abs, values)) > LARGEST:
+                raise InputError(
+                    f"[limits] {name} = {given}: must lie within {LARGEST:g}; leave it out where "
+                    "nothing is limited"
+                )
 
 
 def read_spec(path: Path, *, overrides: Sequence[str] = ()) -> Spec:
@@ -221,7 +266,7 @@ def read_spec(path: Path, *, overrides: Sequence[str] = ()) -> Spec:
     ...     read_spec(path).limits.tau
     (40.0, 40.0)
     """
-    data = load_toml(Path(path))
+    data = load_toml(Path(path), kind="design")
     root = Scenario if "start" in data else Spec
     apply_overrides(data, overrides, root)
     where = named_with(path, overrides)

@@ -1,13 +1,17 @@
-"""``parkproof check``: the paper's conditions on the gains."""
+"""``parkproof check``: the conditions on the gains."""
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from parkproof.proof.conditions import Condition
+    from parkproof.proof.homogeneous_conditions import HomogeneousConditions
     from parkproof.scenario_file import GainsFile
 
     Forms = dict[str, tuple[Condition, ...]]
@@ -20,6 +24,11 @@ _SCAN = (
     "(18)(19) are read from a scan that lost part of them; (18')(19'), untuned, are derived anew."
 )
 _SUFFICIENT = "The conditions are sufficient, not necessary: gains that fail them may still park."
+_OTHER_LAW = (
+    "(15)-(17) are about gains q1 and l, which the homogeneous law does not use; in their place "
+    "stands the matrix inequality, proved in exact rationals. The weight k~2 belongs to the proof "
+    "alone."
+)
 _WORDS = {"printed": "as printed", "sharp": "in the sharp form", "untuned": "in the untuned form"}
 
 
@@ -35,13 +44,14 @@ def check(
 
     Shows every condition with its value, which must be negative, its margin (by how much its
     positive terms could grow together) and its largest term: (15)-(17) as printed and in the sharp
-    form, (18)(19) as printed and as (18')(19'). Each form is sufficient by itself. The exit status
-    is 0 whether they hold or not.
+    form, (18)(19) as printed and as (18')(19'). Each form is sufficient by itself. For the
+    homogeneous law, which has no gains of (15)-(17), Step 2 is judged by its matrix inequality;
+    that needs the extra "proof". The exit status is 0 whether they hold or not.
 
     Parameters
     ----------
     gains : Path
-        A scenario file, or a file with [bounds], [gains] and [weights].
+        A scenario file, a file with [bounds], [gains] and [weights], or gains of a design.
     settings : list of str, optional
         Override a key of the file, as in gains.l[2]=300; may be repeated.
     as_json : bool
@@ -54,35 +64,107 @@ def check(
     int
         Exit status.
 
+    Raises
+    ------
+    InputError
+        If the file has no gains, or --check needs a library that is missing.
+
     Examples
     --------
     >>> check(Path("gains.toml"), check_holds=True)
     Section 4...
     1
     """
-    from parkproof.cli.conditions_table import all_hold, as_data
-    from parkproof.scenario_file import read_gains_file
+    from parkproof.cli.conditions_table import all_hold
 
-    given = read_gains_file(gains, overrides=settings or ())
+    given, b2 = _read(gains, settings or ())
     step2, step3 = _evaluate(given)
-    proved = [any(map(all_hold, forms.values())) for forms in (step2, step3)]
+    own, missing = None, ""
+    if given.law == "homogeneous":
+        step2 = {}
+        own, missing = _judged(given, b2, must=check_holds)
+    proved = [
+        bool(own and own.holds) or any(map(all_hold, step2.values())),
+        any(map(all_hold, step3.values())),
+    ]
     if as_json:
         from parkproof.cli.console import write
 
-        data: dict[str, Any] = {
-            "file": str(gains),
-            "title": given.title,
-            "law": given.law,
-            "weights": {"k": given.weights.k, "k_step3": given.weights.k_step3},
-            "step2": {name: as_data(conditions) for name, conditions in step2.items()},
-            "step3": {name: as_data(conditions) for name, conditions in step3.items()},
-            "holds": {"step2": proved[0], "step3": proved[1]},
-            "verdict": [_verdict("2", step2), _verdict("3", step3)],
-        }
+        data = _data(given, step2, step3, own, missing)
+        data = {"file": str(gains), **data}
+        data["holds"] = {"step2": None if missing else proved[0], "step3": proved[1]}
         write(json.dumps(data, indent=2, ensure_ascii=False) + "\n")
     else:
-        _print(given, step2, step3)
+        _print(given, step2, step3, own, missing)
     return 1 if check_holds and not all(proved) else 0
+
+
+def _read(path: Path, settings: Sequence[str]) -> tuple["GainsFile", tuple[float, float]]:
+    """Gains from a scenario, a file of gains, or a specification, with the range of b2."""
+    from msgspec.structs import replace
+
+    from parkproof.errors import InputError
+    from parkproof.scenario_file import GainsFile, read_gains_file
+    from parkproof.scenario_file.toml import load_toml
+    from parkproof.spec import read_spec
+
+    data = load_toml(path)
+    bounds = data.get("bounds")
+    specified = {"starts", "design"} & set(data) or (isinstance(bounds, dict) and "b2" in bounds)
+    if "start" in data or not specified:
+        return read_gains_file(path, overrides=settings), (1.0, 1.0)
+    spec = read_spec(path, overrides=settings)
+    if spec.gains is None:
+        raise InputError(
+            f"{path}: has no [gains] to check; write them, or find some with: parkproof design "
+            f"{path}"
+        )
+    given = GainsFile(bounds=spec.bounds, gains=spec.gains, law=spec.law, title=spec.title)
+    if spec.switching is not None:
+        given = replace(given, switching=spec.switching)
+    return given, spec.bounds.b2
+
+
+def _judged(
+    given: "GainsFile", b2: tuple[float, float], *, must: bool
+) -> tuple["HomogeneousConditions | None", str]:
+    """Step 2 of the homogeneous law, or the sentence why it cannot be judged here."""
+    from parkproof.errors import InputError
+    from parkproof.extras import require
+    from parkproof.proof.homogeneous_conditions import homogeneous_conditions
+
+    try:
+        require("flint", extra="proof", purpose="judging Step 2 of the homogeneous law")
+    except InputError as error:
+        if must:
+            raise
+        return None, str(error)
+    tolerance = given.switching.tolerance[0]
+    return homogeneous_conditions(given.gains, given.bounds, tolerance=tolerance, b2=b2), ""
+
+
+def _data(
+    given: "GainsFile",
+    step2: "Forms",
+    step3: "Forms",
+    own: "HomogeneousConditions | None",
+    missing: str,
+) -> dict[str, Any]:
+    """All but whether the steps hold."""
+    from parkproof.cli.conditions_table import as_data
+    from parkproof.cli.homogeneous_table import homogeneous_data
+
+    first: dict[str, Any] = {name: as_data(conditions) for name, conditions in step2.items()}
+    weights: dict[str, Any] = {"k": given.weights.k} if step2 else {}
+    return {
+        "title": given.title,
+        "law": given.law,
+        "weights": {**weights, "k_step3": given.weights.k_step3},
+        "step2": homogeneous_data(own) if own else first,
+        "step3": {name: as_data(conditions) for name, conditions in step3.items()},
+        "holds": {},
+        "verdict": [_verdict2(step2, own, missing), _verdict("3", step3)],
+    }
 
 
 def _evaluate(given: "GainsFile") -> tuple["Forms", "Forms"]:
@@ -126,39 +208,67 @@ def _verdict(step: str, forms: "Forms") -> str:
     return f"Step {step}: not satisfied; these fail: {failing}."
 
 
-def _print(given: "GainsFile", step2: "Forms", step3: "Forms") -> None:
-    from parkproof.cli.conditions_table import ABBREVIATIONS, print_dominant, values_table
-    from parkproof.cli.console import facts_table, stdout_console
+def _verdict2(step2: "Forms", own: "HomogeneousConditions | None", missing: str) -> str:
+    """One sentence on Step 2, whatever the law."""
+    from parkproof.cli.homogeneous_table import homogeneous_verdict
+
+    if missing:
+        return f"Step 2: not judged: {missing}."
+    return homogeneous_verdict(own) if own else _verdict("2", step2)
+
+
+def _print(
+    given: "GainsFile",
+    step2: "Forms",
+    step3: "Forms",
+    own: "HomogeneousConditions | None",
+    missing: str,
+) -> None:
+    from parkproof.cli.conditions_table import ABBREVIATIONS
+    from parkproof.cli.console import stdout_console
 
     console = stdout_console()
     gains, weights = given.gains, given.weights
     if given.title:
         console.print(given.title, style="bold")
-    l1, l2, l3 = gains.l
-    k1, k2 = weights.k
-    for step, law, proof, forms in (
-        (
-            "Step 2",
-            f"q1 = {gains.q1}, l = ({l1:.5g}, {l2:.5g}, {l3:.5g}), "
-            f"alpha2 <= {given.bounds.alpha_of(1)[1]:g}",
-            f"weights of the proof: k1 = {k1:.5g}, k2 = {k2:.5g}",
-            step2,
-        ),
-        (
-            "Step 3",
-            f"q2 = {gains.q2}, k~1 = {gains.k[0]:.5g}, k~3 = {gains.k[1]:.5g}, "
-            f"alpha1 <= {given.bounds.alpha_of(0)[1]:g}",
-            f"weight of the proof: k~2 = {weights.k_step3:.5g}",
-            step3,
-        ),
-    ):
-        console.print()
-        console.print(facts_table([(step, law), ("", proof)]))
-        console.print(values_table(forms))
-        print_dominant(console, forms)
+    if step2:
+        l1, l2, l3 = gains.l
+        k1, k2 = weights.k
+        law = f"q1 = {gains.q1}, l = ({l1:.5g}, {l2:.5g}, {l3:.5g}), "
+        law += f"alpha2 <= {given.bounds.alpha_of(1)[1]:g}"
+        proof = f"weights of the proof: k1 = {k1:.5g}, k2 = {k2:.5g}"
+        _print_step(console, "Step 2", law, proof, step2)
+    elif own:
+        _print_homogeneous(console, own)
+    law = f"q2 = {gains.q2}, k~1 = {gains.k[0]:.5g}, k~3 = {gains.k[1]:.5g}, "
+    law += f"alpha1 <= {given.bounds.alpha_of(0)[1]:g}"
+    proof = f"weight of the proof: k~2 = {weights.k_step3:.5g}"
+    _print_step(console, "Step 3", law, proof, step3)
     console.print()
-    console.print(_verdict("2", step2), style="bold")
+    console.print(_verdict2(step2, own, missing), style="bold")
     console.print(_verdict("3", step3), style="bold")
     console.print()
-    for sentence in (_PROOF_ONLY, _SUFFICIENT, _SCAN, ABBREVIATIONS):
+    first = _PROOF_ONLY if step2 else _OTHER_LAW
+    for sentence in (first, _SUFFICIENT, _SCAN, ABBREVIATIONS):
         console.print(sentence)
+
+
+def _print_step(console: "Console", step: str, law: str, proof: str, forms: "Forms") -> None:
+    """The paper's conditions on one step."""
+    from parkproof.cli.conditions_table import print_dominant, values_table
+    from parkproof.cli.console import facts_table
+
+    console.print()
+    console.print(facts_table([(step, law), ("", proof)]))
+    console.print(values_table(forms))
+    print_dominant(console, forms)
+
+
+def _print_homogeneous(console: "Console", own: "HomogeneousConditions") -> None:
+    """The homogeneous law's conditions on Step 2."""
+    from parkproof.cli.console import facts_table
+    from parkproof.cli.homogeneous_table import homogeneous_facts, homogeneous_table
+
+    console.print()
+    console.print(facts_table([("Step 2", homogeneous_facts(own))]))
+    console.print(homogeneous_table(own))

@@ -67,12 +67,15 @@ def design(
     1
     """
     from parkproof.cli.console import print_files, progress, stdout_console
+    from parkproof.errors import InputError
     from parkproof.extras import require
     from parkproof.output import output_directory
     from parkproof.validate import positive
 
     require("flint", "scipy", "clarabel", extra="proof", purpose="parkproof design")
     scale = positive("effort", effort)
+    if scale > LARGEST_EFFORT:
+        raise InputError(f"effort = {scale:g}: must be at most {LARGEST_EFFORT:g}; write 10.0")
     directory = Path("designs") / spec.stem if out is None else out
     console = stdout_console()
     try:
@@ -84,15 +87,24 @@ def design(
             found = _search(wanted, scale, work, report, pictures=not no_pictures)
             names = sorted(path.name for path in work.iterdir())
     except _NotFoundError as error:
-        console.print(f"Nothing is proved: {error}.", soft_wrap=True)
-        return 1
+        begin = "Interrupted: n" if error.interrupted else "N"
+        console.print(f"{begin}othing is proved: {error}.", soft_wrap=True)
+        return 130 if error.interrupted else 1
     _print(found, console)
     print_files(console, directory, names)
     return 130 if found.interrupted else 0
 
 
+LARGEST_EFFORT = 1e3
+"""A design of the usual effort takes minutes."""
+
+
 class _NotFoundError(Exception):
     """There are no gains, or none were found; what was begun of the results is taken away."""
+
+    def __init__(self, reason: str, *, interrupted: bool = False) -> None:
+        super().__init__(reason)
+        self.interrupted = interrupted
 
 
 def _wanted(spec: Path, settings: "Sequence[str]") -> "Spec":
@@ -104,7 +116,9 @@ def _wanted(spec: Path, settings: "Sequence[str]") -> "Spec":
     try:
         wanted = read_spec(spec, overrides=settings)
     except InputError as error:
-        if "[bounds]" in str(error):  # bounds that are no bounds
+        # bounds that nothing can lie in, but not keys that are misspelt or of a wrong type
+        said = str(error)
+        if "[bounds]" in said and "unknown key" not in said and "expected" not in said:
             raise _NotFoundError(str(error)) from error
         raise
     try:
@@ -118,14 +132,17 @@ def _search(
     wanted: "Spec", scale: float, work: Path, report: "Report", *, pictures: bool
 ) -> "Design":
     """Find, write and draw."""
+    from parkproof.errors import InputError
     from parkproof.proof.design import design as search
     from parkproof.report.design import write_design
 
-    found = search(
-        wanted, sweep=max(2, round(16 * scale)), steps=max(2, round(40 * scale)), progress=report
-    )
+    sweep, steps = (max(2, round(usual * scale)) for usual in (16, 40))
+    try:
+        found = search(wanted, sweep=sweep, steps=steps, progress=report)
+    except InputError as error:  # no Lyapunov function for so wide a range
+        raise _NotFoundError(str(error)) from error
     if found.certificate is None:
-        raise _NotFoundError(found.reason)
+        raise _NotFoundError(found.reason, interrupted=found.interrupted)
     write_design(found, work, pictures=pictures, progress=report)
     return found
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from parkproof.cli.errors import why_not
 from parkproof.errors import InputError
-from parkproof.output import replace_file
+from parkproof.output import replace_file, sibling
 
 
 def check_target(path: Path, *, overwrite: bool) -> None:
@@ -20,7 +20,8 @@ def check_target(path: Path, *, overwrite: bool) -> None:
     Raises
     ------
     InputError
-        If it is a directory, or exists and may not be replaced, or its folder is missing.
+        If it is a directory, or exists and may not be replaced, or its folder is missing or cannot
+        be written to.
 
     Examples
     --------
@@ -37,6 +38,14 @@ def check_target(path: Path, *, overwrite: bool) -> None:
         )
     if not path.parent.is_dir():
         raise InputError(f"{path}: there is no folder {path.parent}; make it, or choose another")
+    if path.exists() and not path.is_file():  # a device or a pipe
+        return
+    trial = sibling(path.resolve(), "new")
+    try:
+        trial.touch(exist_ok=False)
+        trial.unlink()
+    except OSError as error:
+        raise InputError(why_not(OSError(error.errno, error.strerror, str(path)))) from error
 
 
 def write_file(path: Path, content: str | bytes, *, overwrite: bool) -> None:

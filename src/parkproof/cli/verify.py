@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+_REMEDY = "name a certificate.json that parkproof certify or parkproof design wrote"
+
 
 def verify(certificate: Path, /) -> int:
     """Re-prove a certificate and print its theorem.
@@ -42,12 +44,12 @@ def verify(certificate: Path, /) -> int:
         found = read(certificate.read_text(encoding="utf-8"))
         reason = why_not(found)
     except OSError as error:
-        raise InputError(
-            f"{certificate}: cannot be read ({error.strerror}); name a file that parkproof certify "
-            "or parkproof design wrote"
-        ) from error
-    except (NotACertificateError, UnicodeDecodeError) as error:
-        raise InputError(f"{certificate}: {error}") from error
+        cause = f"cannot be read ({error.strerror})"
+        raise InputError(f"{certificate}: {cause}; {_REMEDY}") from error
+    except UnicodeDecodeError as error:
+        raise InputError(f"{certificate}: not UTF-8 text; {_REMEDY}") from error
+    except NotACertificateError as error:
+        raise InputError(f"{certificate}: {error}; {_REMEDY}") from error
     console = stdout_console()
     if reason:
         console.print(f"NOT PROVED: {reason}.", soft_wrap=True)

@@ -178,7 +178,8 @@ class _Search:
         from scipy.optimize import minimize
         from scipy.stats import qmc
 
-        points = qmc.Sobol(3, seed=0).random(sweep)
+        # of any number of points the first; scipy warns of all but powers of two
+        points = qmc.Sobol(3, seed=0).random_base2((sweep - 1).bit_length())[:sweep]
         prices = []
         for i, point in enumerate(points):
             prices.append((self.price(point), tuple(point)))
@@ -272,7 +273,11 @@ def design(
     except KeyboardInterrupt:
         found.interrupted = True
     if found.chosen is None:
-        found.reason = "no gains were found for which whole runs are proved to park"
+        found.reason = (
+            "the search was stopped before it found any gains"
+            if found.interrupted
+            else "no gains were found for which whole runs are proved to park"
+        )
         return found
     if over_limits(found.chosen, spec):
         found.reason = nearest(spec, found.looked_at, found.chosen)

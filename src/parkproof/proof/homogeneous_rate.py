@@ -63,6 +63,27 @@ def proven_rate(
     exact = Ellipsoid(ellipsoid, feedback)
     if not exact.sound():
         return None
+    try:
+        rates, rhos = _sought(ellipsoid, feedback, b1, b2, gamma, disturbance)
+    except (OverflowError, np.linalg.LinAlgError):  # of numbers beyond all measure
+        return None
+    pair = (rhos[0], rhos[1])
+    for loss in (1e-7, 1e-6, 1e-5, 1e-4):
+        rate = digits(min(rates) * (1.0 - loss))
+        if rate > 0.0 and exact.prove_rate(rate, pair, b1, b2, gamma, disturbance):
+            return rate, pair
+    return None
+
+
+def _sought(
+    ellipsoid: Six,
+    feedback: Three,
+    b1: Interval,
+    b2: Interval,
+    gamma: Interval,
+    disturbance: float,
+) -> tuple[list[float], list[float]]:
+    """The largest rate, and its ρ, at each end of γ's interval, in floating point."""
     P = np.zeros((3, 3))
     for (i, j), value in zip(PAIRS, ellipsoid, strict=True):
         P[i, j] = P[j, i] = value
@@ -78,12 +99,7 @@ def proven_rate(
         rho = digits(math.exp(golden(reached, -25.0, 25.0, 50))) if disturbance else 0.0
         rates.append(reached(math.log(rho) if rho else 0.0))
         rhos.append(rho)
-    pair = (rhos[0], rhos[1])
-    for loss in (1e-7, 1e-6, 1e-5, 1e-4):
-        rate = digits(min(rates) * (1.0 - loss))
-        if rate > 0.0 and exact.prove_rate(rate, pair, b1, b2, gamma, disturbance):
-            return rate, pair
-    return None
+    return rates, rhos
 
 
 def _rate_of(

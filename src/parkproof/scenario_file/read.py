@@ -8,7 +8,7 @@ import msgspec
 
 from parkproof.bounds import Bounds
 from parkproof.errors import InputError
-from parkproof.laws.gains import Gains
+from parkproof.laws.gains import Gains, Switching
 from parkproof.scenario import Scenario, Weights
 from parkproof.scenario_file.errors import sentence
 from parkproof.scenario_file.overrides import apply_overrides
@@ -19,7 +19,7 @@ _Struct = TypeVar("_Struct", bound=msgspec.Struct)
 
 
 class GainsFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What `parkproof check` needs: bounds, gains and weights, without a run.
+    """What `parkproof check` needs: bounds, gains, weights and tolerances, without a run.
 
     Parameters
     ----------
@@ -29,6 +29,8 @@ class GainsFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
         The gains to check.
     weights : Weights
         Weights of the Lyapunov functions; default the paper's.
+    switching : Switching
+        When the law switches; the tolerance of Step 1 is used where the law is homogeneous.
     law : "published", "corrected" or "homogeneous", optional
         The law, if the file names one.
     title : str
@@ -43,6 +45,7 @@ class GainsFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     bounds: Bounds
     gains: Gains
     weights: Weights = Weights()
+    switching: Switching = Switching()
     law: Literal["published", "corrected", "homogeneous"] | None = None
     title: str = ""
 
@@ -121,7 +124,7 @@ def read_gains_file(path: Path, *, overrides: Sequence[str] = ()) -> GainsFile:
     ----------
     path : Path
         A scenario file, or a TOML file with ``[bounds]``, ``[gains]`` and, optionally,
-        ``[weights]`` and ``law``.
+        ``[weights]``, ``[switching]`` and ``law``.
     overrides : sequence of str
         As for `read_scenario`.
 
@@ -155,6 +158,7 @@ def read_gains_file(path: Path, *, overrides: Sequence[str] = ()) -> GainsFile:
         bounds=scenario.bounds,
         gains=scenario.gains,
         weights=scenario.weights or Weights(),
+        switching=scenario.switching,
         law=scenario.law,
         title=scenario.title,
     )

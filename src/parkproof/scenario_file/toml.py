@@ -21,13 +21,15 @@ _TOML_RULES = {
 }
 
 
-def load_toml(path: Path) -> dict[str, Any]:
+def load_toml(path: Path, *, kind: str = "") -> dict[str, Any]:
     r"""Read a TOML file that is not empty.
 
     Parameters
     ----------
     path : Path
         The file.
+    kind : str
+        Kind of file to start from, for messages, as in `parkproof init --kind`; default a scenario.
 
     Returns
     -------
@@ -48,7 +50,8 @@ def load_toml(path: Path) -> dict[str, Any]:
     ...     load_toml(path)
     {'gains': {'lambda1': 2.0}}
     """
-    text = _text(path)
+    begin = f"parkproof init --kind {kind}" if kind else "parkproof init"
+    text = _text(path, begin)
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -58,20 +61,18 @@ def load_toml(path: Path) -> dict[str, Any]:
             f"{path}: a number is too long or lists are nested too deeply; write plain numbers"
         ) from error
     if not data:
-        raise InputError(
-            f"{path}: the file is empty; for a scenario to start from, run: parkproof init"
-        )
+        raise InputError(f"{path}: the file is empty; for a file to start from, run: {begin}")
     return data
 
 
-def _text(path: Path) -> str:
+def _text(path: Path, begin: str) -> str:
     """Read a UTF-8 file; a byte-order mark, as some editors write it, is passed over."""
     try:
         with path.open("rb") as file:
             raw = file.read(MAX_BYTES + 1)
     except FileNotFoundError as error:
         raise InputError(
-            f"{path}: no such file; check the name, or write one with: parkproof init --out {path}"
+            f"{path}: no such file; check the name, or write one with: {begin} --out {path}"
         ) from error
     except IsADirectoryError as error:
         raise InputError(f"{path}: is a directory; name a scenario file (.toml) in it") from error

@@ -92,7 +92,9 @@ def read(text: str) -> dict[str, Any]:
     try:
         certificate = json.loads(text, object_pairs_hook=_without_repetition)
         digest = digest_of(certificate) if isinstance(certificate, dict) else ""
-    except (ValueError, RecursionError) as error:
+    except RecursionError as error:
+        raise NotACertificateError("not JSON: lists are nested too deeply") from error
+    except ValueError as error:
         raise NotACertificateError(f"not JSON: {error}") from error
     if not isinstance(certificate, dict) or certificate.get("schema") != SCHEMA:
         raise NotACertificateError(f"not a {SCHEMA} (its key schema says otherwise)")
