@@ -3,15 +3,15 @@
 ẋ = b·u with 0 < b ≤ b^max, u̇ = τ̃ under the paper's law, with y = ⌈u⌋^(1/q), ξ = y + K1·x and, by
 Theorem 1, −sign(ξ)·u̇ ≥ k̃3·|ξ|^(2q−1).
 
-Where x > 0 and y = −K·x with K > K1, ξ = −(K − K1)·x is negative, so u̇ ≥ k̃3·((K − K1)·x)^(2q−1), and
+Where x > 0 and y = −K·x with K > K1, ξ = −(K − K1)·x < 0, so u̇ ≥ k̃3·((K − K1)·x)^(2q−1), and
 
     d(y + K·x)/dt = |y|^(1−q)·u̇/q + K·b·u
                   ≥ x^q·(K^(1−q)·k̃3·(K − K1)^(2q−1)/q − b^max·K^(1+q)) > 0
 
-if k̃3·(K − K1)^(2q−1) > q·b^max·K^(2q). Then no motion leaves {x ≥ 0, y ≥ −K·x}: on its other side,
+if k̃3·(K − K1)^(2q−1) > q·b^max·K^(2q). Then no motion leaves {x ≥ 0, y ≥ −K·x} but to rest: where
 x = 0 and u > 0, x grows. K = 2q·K1 makes the condition weakest. A motion with x < 0 and u ≥ 0 keeps
-u ≥ 0 until x = 0, as u = 0 means ξ < 0 and u̇ > 0 there; x does not fall until then. So from u ≥ 0 on,
-x ≥ min(x(0), 0), and by symmetry x ≤ max(x(0), 0) from u ≤ 0 on.
+u ≥ 0 until x = 0, as u = 0 means ξ < 0 and u̇ > 0 there, and x does not fall until then. So from
+u ≥ 0 on, x ≥ min(x(0), 0), and by symmetry x ≤ max(x(0), 0) from u ≤ 0 on.
 """
 
 from flint import arb
