@@ -27,7 +27,7 @@ PROOFS = 3
 """How many forms of the paper's Step 2 are proved at most, beside those that cannot be."""
 
 COARSE = 4
-"""Points at which directions of travel are compared."""
+"""Points at which directions of travel are compared, at most."""
 
 AT_ONCE = 6
 """Candidates of the paper's engine that a descent looks at, for each step of the other's."""
@@ -212,12 +212,12 @@ def _price(found: Design) -> float:
     return math.inf if found.chosen is None else found.chosen.price(found.spec)
 
 
-def _best_way(found: Design, searches: Sequence[KnobSearch]) -> KnobSearch:
+def _best_way(found: Design, searches: Sequence[KnobSearch], points: int) -> KnobSearch:
     """The search in the best direction of travel, by a coarse sweep of each."""
     if len(searches) > 1:
         for search in searches:
             try:
-                search.sweep(COARSE)
+                search.sweep(points)
             finally:
                 _take(found, search)
     return min(searches, key=lambda search: search.price)
@@ -236,7 +236,7 @@ def _homogeneous(
     ways = [HomogeneousEngine(spec, hold, back, way) for way in directions_of(spec)]
     progress("homogeneous engine", 0.0)
     searches = [KnobSearch(engine, spec, found.looked_at) for engine in ways]
-    best = _best_way(found, searches)
+    best = _best_way(found, searches, min(COARSE, sweep))
     _search(found, best, sweep, steps, progress)
     return ways[searches.index(best)]
 
@@ -279,7 +279,7 @@ def _paper(
             _take(found, search)
         if found.interrupted:
             return
-        best = _best_way(found, searches)
+        best = _best_way(found, searches, min(COARSE, sweep))
         best.descend_at_once(AT_ONCE * steps, scored.knobs)
         _take(found, best)
         _search(found, best, sweep, 0, progress)

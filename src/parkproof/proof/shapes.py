@@ -21,14 +21,14 @@ from parkproof.spec import Spec
 Shape = tuple[str, tuple[float, float, float]]
 """q1 as a ratio, and l in normalised form."""
 
-KNOWN: tuple[Shape, ...] = (
+KNOWN_SHAPES: tuple[Shape, ...] = (
     ("7/9", (1.0, 2.5, 8.0)),
     ("7/9", (1.5, 4.6, 29.0)),
     ("9/11", (2.0, 4.2, 21.0)),
 )
 """Shapes to begin with: one of little input, one for an uncertain b2, and the paper's."""
 
-TYPICAL: tuple[Shape, ...] = (
+TYPICAL_SHAPES: tuple[Shape, ...] = (
     ("7/9", (1.0, 2.3, 7.6)),
     ("5/7", (1.0, 2.5, 14.4)),
     ("9/11", (1.0, 2.2, 6.6)),
@@ -215,7 +215,7 @@ class ShapeSearch:
         progress : callable
             Told which share is done.
         """
-        done, whole = [0], len(KNOWN) + sweep + steps
+        done, whole = [0], len(KNOWN_SHAPES) + sweep + steps
 
         def price(shape: Shape) -> float:
             found = self.price(shape)
@@ -224,17 +224,17 @@ class ShapeSearch:
             return found
 
         try:
-            for shape in [*KNOWN, *TYPICAL[:sweep]]:
+            for shape in [*KNOWN_SHAPES, *TYPICAL_SHAPES[:sweep]]:
                 price(shape)
             promising = [scored.form for scored in self.ranked()[:PROMISING]] or [
-                ThreeChainForm(q, gains, {}) for q, gains in TYPICAL
+                ThreeChainForm(q, gains, {}) for q, gains in TYPICAL_SHAPES
             ]
             around = [
                 (form.q, (form.l[0], form.l[1] * more, form.l[2] * most))
                 for more, most in AROUND
                 for form in promising
             ]
-            for shape in around[: max(0, sweep - len(TYPICAL))]:
+            for shape in around[: max(0, sweep - len(TYPICAL_SHAPES))]:
                 price(shape)
             if self._best is None or self._best.price > enough + HOPELESS:
                 return
@@ -277,7 +277,7 @@ class ShapeSearch:
         best: dict[str, Scored] = {}
         for scored in by_price:
             best.setdefault(scored.form.q, scored)
-        known = [self._scored[shape] for shape in KNOWN if shape in self._scored]
+        known = [self._scored[shape] for shape in KNOWN_SHAPES if shape in self._scored]
         return [*best.values(), *(scored for scored in known if scored not in best.values())]
 
 
