@@ -15,6 +15,7 @@ from parkproof.cli import main
 from parkproof.errors import InputError
 from parkproof.laws.gains import Gains
 from parkproof.proof import design as designing
+from parkproof.proof import find_links
 from parkproof.proof.candidates import Knobs
 from parkproof.proof.checker.certificate import why_not
 from parkproof.proof.design import design, two_chain_forms
@@ -70,9 +71,15 @@ def test_scaled_links_are_proved(speed):
 OF_THE_PAPER = msgspec.structs.replace(spec_with("paper"), bounds=UncertainBounds(disturbance=0.5))
 
 
+FEW_BOXES = (0.7,)
+"""Share of a sampled rate that is quickly proved."""
+
+
 @pytest.fixture(scope="module")
 def of_the_paper():
-    return design(OF_THE_PAPER, sweep=4, steps=2)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(find_links, "SHARES", FEW_BOXES)
+        return design(OF_THE_PAPER, sweep=3, steps=4)
 
 
 def test_the_papers_engine_finds_a_shape_of_its_own_and_proves_it(of_the_paper):
@@ -87,7 +94,8 @@ def test_the_papers_engine_finds_a_shape_of_its_own_and_proves_it(of_the_paper):
         assert q != law["q1"] or gains != pytest.approx(law["l"], rel=1e-2)
 
 
-def test_the_papers_engine_is_no_worse_than_its_known_shapes(of_the_paper):
+def test_the_papers_engine_is_no_worse_than_its_known_shapes(of_the_paper, monkeypatch):
+    monkeypatch.setattr(find_links, "SHARES", FEW_BOXES)
     spec = of_the_paper.spec
     shapes = ShapeSearch(spec, *two_chain_forms(spec))
     for q, l in KNOWN_SHAPES:  # noqa: E741
@@ -112,12 +120,14 @@ def test_shapes_that_sampling_finds_worse_are_not_proved(monkeypatch):
     assert design(spec, sweep=2, steps=2).certificate["law"]["name"] == "homogeneous"
 
 
-def test_a_search_of_shapes_that_is_interrupted_proves_the_best_so_far():
+def test_a_search_of_shapes_that_is_interrupted_proves_the_best_so_far(monkeypatch):
+    monkeypatch.setattr(find_links, "SHARES", FEW_BOXES)
+
     def interrupt(doing, share):
         if doing.startswith("shapes") and share > 0.3:
             raise KeyboardInterrupt
 
-    found = design(OF_THE_PAPER, sweep=4, steps=8, progress=interrupt)
+    found = design(OF_THE_PAPER, sweep=4, steps=4, progress=interrupt)
     assert found.interrupted
     assert len(found.looked_at) == 1
     assert why_not(found.certificate) == ""
