@@ -4,6 +4,7 @@ import json
 import tomllib
 from pathlib import Path
 
+import msgspec
 import pytest
 
 pytest.importorskip("flint", reason="needs parkproof[proof]")
@@ -13,12 +14,17 @@ from parkproof.bounds import Bounds, Limits
 from parkproof.cli import main
 from parkproof.errors import InputError
 from parkproof.laws.gains import Gains
-from parkproof.proof.candidates import HomogeneousEngine, Knobs, PaperEngine
+from parkproof.proof import design as designing
+from parkproof.proof import find_links
+from parkproof.proof.candidates import Knobs
 from parkproof.proof.checker.certificate import why_not
-from parkproof.proof.design import design, engines
-from parkproof.proof.find_links import approach_link, two_chain_link
+from parkproof.proof.design import design, two_chain_forms
+from parkproof.proof.engines import HomogeneousEngine, directions_of
+from parkproof.proof.find_links import approach_link, sampled_approach_link, two_chain_link
+from parkproof.proof.knob_search import KnobSearch
 from parkproof.proof.limits import over_limits
 from parkproof.proof.scaling import ThreeChainForm, TwoChainForm
+from parkproof.proof.shapes import KNOWN_SHAPES, ShapeSearch, normal_ranges
 from parkproof.scenario_file import template
 from parkproof.spec import Aim, Spec, Starts, read_spec
 
@@ -62,16 +68,125 @@ def test_scaled_links_are_proved(speed):
     assert link.proved([(0.8 * 0.3, 1.2 * 0.3), (1.0, 1.0)], (1.0, 1.0), 0.0)
 
 
-def test_each_engine_is_made_where_it_is_asked_for():
-    kinds = [type(engine) for engine in engines(spec_with("homogeneous"), lambda _: None)]
-    assert kinds == [HomogeneousEngine]
-    papers = [type(engine) for engine in engines(spec_with("paper"), lambda _: None)]
-    assert papers
-    assert set(papers) == {PaperEngine}
+OF_THE_PAPER = msgspec.structs.replace(spec_with("paper"), bounds=Bounds(disturbance=0.5))
+
+
+FEW_BOXES = (0.7,)
+"""Share of a sampled rate that is quickly proved."""
+
+
+@pytest.fixture(scope="module")
+def of_the_paper():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(find_links, "SHARES", FEW_BOXES)
+        return design(OF_THE_PAPER, sweep=3, steps=4)
+
+
+def test_the_papers_engine_finds_a_shape_of_its_own_and_proves_it(of_the_paper):
+    law = of_the_paper.certificate["law"]
+    assert law["name"] == "corrected"
+    assert why_not(of_the_paper.certificate) == ""
+    cruise = law["runup_speed"]
+    for q, l in KNOWN_SHAPES:  # noqa: E741
+        speed = law["l"][0] * cruise / l[0]
+        link = {"k": (1.0, 1.0), "s": (0.0, 0.0), "rate": 1.0, "sizes": (1.0,) * 4}
+        gains, _ = ThreeChainForm(q, l, link).scaled(speed, cruise)
+        assert q != law["q1"] or gains != pytest.approx(law["l"], rel=1e-2)
+
+
+def test_the_papers_engine_is_no_worse_than_its_known_shapes(of_the_paper, monkeypatch):
+    monkeypatch.setattr(find_links, "SHARES", FEW_BOXES)
+    spec = of_the_paper.spec
+    shapes = ShapeSearch(spec, *two_chain_forms(spec))
+    for q, l in KNOWN_SHAPES:  # noqa: E741
+        link = sampled_approach_link(Gains(q1=q, l=l), normal_ranges(spec))
+        known = KnobSearch(shapes.engine(ThreeChainForm(q, l, link), "toward"), spec, [])
+        known.sweep(8)
+        known.descend_at_once(60)
+        assert of_the_paper.chosen.price(spec) < known.price
+
+
+def test_what_is_sampled_is_close_to_what_is_proved():
+    ranges, gains = normal_ranges(spec_with()), Gains(q1="5/7", l=(1.0, 2.5, 14.4))
+    sampled, proved = sampled_approach_link(gains, ranges), approach_link(gains, ranges)
+    assert sampled["k"] == proved["k"]
+    assert proved["rate"] <= sampled["rate"] * 1.001
+    assert sampled["sizes"] == pytest.approx(proved["sizes"], rel=0.02)
+
+
+def test_shapes_that_sampling_finds_worse_are_not_proved(monkeypatch):
+    monkeypatch.setattr(designing, "approach_link", lambda *_: pytest.fail("proved"))
+    spec = Spec(bounds=KNOWN, starts=NEAR, limits=Limits(tau=(20.0, 20.0)))
+    assert design(spec, sweep=2, steps=2).certificate["law"]["name"] == "homogeneous"
+
+
+def test_a_search_of_shapes_that_is_interrupted_proves_the_best_so_far(monkeypatch):
+    monkeypatch.setattr(find_links, "SHARES", FEW_BOXES)
+
+    def interrupt(doing, share):
+        if doing.startswith("shapes") and share > 0.3:
+            raise KeyboardInterrupt
+
+    found = design(OF_THE_PAPER, sweep=4, steps=4, progress=interrupt)
+    assert found.interrupted
+    assert len(found.looked_at) == 1
+    assert why_not(found.certificate) == ""
+
+
+AHEAD = Spec(
+    bounds=KNOWN,
+    starts=Starts(x0=(-0.02, 0.02), x1=(-0.1, 0.1), x2=(-0.1, 0.1)),
+    limits=Limits(tau=(20.0, 20.0), view=(-0.05, 5.0, -2.0, 2.0)),
+    design=Aim(engine="homogeneous"),
+)
+
+
+def test_a_view_to_one_side_is_served_by_driving_to_that_side():
+    found = design(AHEAD, sweep=2, steps=4)
+    claim = found.certificate["claim"]
+    assert found.certificate["law"]["direction"] == "forward"
+    assert claim["x0_range"][0] >= -0.05
+    assert claim["x0_range"][1] > 0.05
+    assert why_not(found.certificate) == ""
+
+
+def test_a_view_to_one_side_is_not_served_by_driving_toward_the_goal(monkeypatch):
+    monkeypatch.setattr(designing, "directions_of", lambda _: ("toward",))
+    found = design(AHEAD, sweep=2, steps=2)
+    assert found.certificate is None
+    assert "limits.view" in found.reason
+
+
+def test_the_shapes_of_a_view_to_the_other_side_are_sought_for_driving_backward():
+    view = Limits(tau=(20.0, 20.0), view=(-5.0, 0.05, -2.0, 2.0))
+    spec = msgspec.structs.replace(AHEAD, limits=view)
+    shapes = ShapeSearch(spec, *two_chain_forms(spec))
+    shapes.run(0, 0)
+    best = shapes.ranked()[0]
+    found = {
+        way: shapes.engine(best.form, way).candidate(best.knobs) for way in directions_of(spec)
+    }
+    assert not over_limits(found["backward"], spec)
+    assert over_limits(found["toward"], spec)
+    assert over_limits(found["forward"], spec)
+
+
+@pytest.mark.parametrize("ways", [("toward", "forward"), ("toward", "auto"), ("forward", "auto")])
+def test_of_mirrored_starts_the_direction_left_out_has_no_better_bounds(ways):
+    spec = spec_with()
+    assert directions_of(spec) == ("toward",)
+    first, other = (
+        HomogeneousEngine(spec, *two_chain_forms(spec), way).candidate(Knobs(0.3, 18.0, 1.0, 0.7))
+        for way in ways
+    )
+    assert first.time <= other.time
+    assert first.travel <= other.travel
+    assert max(first.tau) <= max(other.tau)
 
 
 def test_a_faster_return_costs_input():
-    (engine,) = engines(spec_with(), lambda _: None)
+    spec = spec_with()
+    engine = HomogeneousEngine(spec, *two_chain_forms(spec), "toward")
     slow, fast = (engine.candidate(Knobs(0.3, 18.0, 1.0, back)) for back in (0.5, 1.0))
     assert fast.time < slow.time
     assert fast.tau[0] > slow.tau[0]
@@ -83,11 +198,19 @@ def test_a_faster_return_costs_input():
         (Limits(tau=(0.4, 20.0)), KNOWN, r"limits.tau\[0\] = 0.4.*above 0.5"),
         (Limits(tau=(20.0, 0.5)), KNOWN, r"limits.tau\[1\] = 0.5.*above 0.5"),
         (Limits(view=(-0.1, 2.0, -1.0, 1.0)), KNOWN, r"view.*starts reach from \(-0.2"),
+        (Limits(view=(-0.5, 0.5, 0.0, 1.0)), KNOWN, r"view.*starts reach from \(-0.2"),
     ],
 )
 def test_what_no_gains_can_do_is_refused_with_the_reason(limits, bounds, said):
     with pytest.raises(InputError, match=said):
         design(Spec(bounds=bounds, starts=NEAR, limits=limits))
+
+
+def test_a_view_without_the_goal_is_refused():
+    ahead = Starts(x0=(1.0, 2.0), x1=(-0.1, 0.1), x2=(-0.1, 0.1))
+    limits = Limits(view=(0.5, 5.0, -2.0, 2.0))
+    with pytest.raises(InputError, match="the goal"):
+        design(Spec(bounds=KNOWN, starts=ahead, limits=limits))
 
 
 def test_a_limit_that_cannot_be_kept_is_named_with_what_would_do():

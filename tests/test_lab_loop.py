@@ -33,7 +33,7 @@ def test_the_command_parks_from_pixels_and_leaves_all_it_promises(made):
     summary = json.loads((made / "summary.json").read_text())
     assert summary["outcome"] == "parked"
     assert summary["frames"]["out_of_view"] == 0
-    assert summary["image_error"]["px"] <= 1.0
+    assert summary["image_error"]["distance_px"] <= 1.0
     assert summary["image_error"]["heading_deg"] <= 1.0
     names = {path.name for path in made.iterdir()}
     assert {

@@ -73,7 +73,9 @@ def test_the_tag_is_seen_where_the_robot_is(k1, angle):
 def test_a_perfect_robot_drives_and_turns_as_it_is_told():
     with world() as there:
         pose = drive(there, 0.1, 0.0, 3.0)
-        assert math.hypot(pose.x, pose.y) == pytest.approx(0.3, rel=0.08)  # its gears' friction holds it back
+        assert math.hypot(pose.x, pose.y) == pytest.approx(
+            0.3, rel=0.08
+        )  # its gears' friction holds it back
         assert abs(pose.y) < 0.005
         there.place(Pose(0.0, 0.0, 0.0))
         pose = drive(there, 0.0, 0.8, 3.0)

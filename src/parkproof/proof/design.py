@@ -1,46 +1,41 @@
 """Designs gains: searches candidates for the least price, then certifies the one it chose."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from typing import Any
 
 from parkproof.errors import InputError
 from parkproof.laws.gains import Gains
-from parkproof.proof.candidates import (
-    SHARE,
-    Candidate,
-    Engine,
-    HomogeneousEngine,
-    Knobs,
-    PaperEngine,
-)
+from parkproof.proof.candidates import Candidate
+from parkproof.proof.engines import HomogeneousEngine, directions_of
 from parkproof.proof.find_links import approach_link, two_chain_link
+from parkproof.proof.knob_search import KnobSearch
 from parkproof.proof.limits import check_feasible, nearest, over_limits
 from parkproof.proof.scaling import ThreeChainForm, TwoChainForm
+from parkproof.proof.shapes import Scored, ShapeSearch, normal_ranges
 from parkproof.proof.whole_run import Certified, certify
 from parkproof.spec import Spec
 
 TWO_CHAIN = ("7/9", (1.5, 6.5))
 """q2 and k̃1, k̃3 of the normalised form of holding and return: the paper's."""
 
-FORMS = (
-    ("7/9", (1.0, 2.5, 8.0)),
-    ("7/9", (1.5, 4.6, 29.0)),
-    ("9/11", (2.0, 4.2, 21.0)),
-)
-"""q1 and l of the normalised forms of Step 2 that are tried: one of little input, one for an
-uncertain b2, and the paper's."""
-
 ATTEMPTS, APART = 3, 0.005
 """How many candidates are certified at most, and by how much their times differ, as logarithms."""
+
+PROOFS = 3
+"""How many forms of the paper's Step 2 are proved at most, beside those that cannot be."""
+
+COARSE = 4
+"""Points at which directions of travel are compared, at most."""
+
+AT_ONCE = 6
+"""Candidates of the paper's engine that a descent looks at, for each step of the other's."""
 
 RELAXED = 6.0
 """By how much the limit of the input is exceeded in search of one that would do."""
 
-LOWEST, HIGHEST = Knobs(0.05, 0.1, 0.2, 0.15), Knobs(3.0, 6.0, 6.0, 4.0)
-"""Where the search looks; the homogeneous law's τ2 has its own range."""
+Progress = Callable[[str, float], None]
 
 
 @dataclass
@@ -77,25 +72,34 @@ class Design:
     interrupted: bool = False
 
 
-def engines(spec: Spec, progress: Callable[[str], None]) -> Iterator[Engine]:
-    """The engines that a specification asks for, with their proved links.
+def two_chain_forms(
+    spec: Spec, progress: Callable[[str], None] = lambda _: None
+) -> tuple[TwoChainForm, TwoChainForm]:
+    """Normalised forms of holding and of the return, proved.
 
     Parameters
     ----------
     spec : Spec
-        What is wanted.
+        What is uncertain.
     progress : callable
         Told what is being done.
 
-    Yields
-    ------
-    Engine
-        One for the homogeneous law, and one for each normalised form of the paper's.
+    Returns
+    -------
+    tuple
+        Holding, return.
 
     Raises
     ------
     InputError
         If a range is too wide for any Lyapunov function tried.
+
+    Examples
+    --------
+    >>> from parkproof.bounds import Bounds
+    >>> hold, back = two_chain_forms(Spec(bounds=Bounds(alpha=(0.5, 1.5))))
+    >>> hold.link["rate"] > back.link["rate"] > 0.5
+    True
     """
     q, k = TWO_CHAIN
     forms = []
@@ -108,111 +112,7 @@ def engines(spec: Spec, progress: Callable[[str], None]) -> Iterator[Engine]:
                 "range; narrow it"
             )
         forms.append(TwoChainForm(q, k, link))
-    hold, back = forms
-    if spec.design.engine != "paper":
-        yield HomogeneousEngine(spec, hold, back)
-    if spec.design.engine == "homogeneous":
-        return
-    low, high = spec.bounds.alpha_of(1)
-    ranges = [(low * SHARE * (1.0 - 1e-9), high * (1.0 + 1e-9)), spec.bounds.b2]
-    for q1, gains_l in FORMS:
-        progress(f"Lyapunov function of the paper's Step 2, q1 = {q1}")
-        link = approach_link(Gains(q1=q1, l=gains_l), ranges)
-        if link is not None:
-            yield PaperEngine(spec, hold, back, ThreeChainForm(q1, gains_l, link))
-
-
-def _range_of(engine: Engine, spec: Spec, relaxed: float) -> list[tuple[float, float]]:
-    """Logarithms of the least and largest cruise, approach and hold."""
-    lows, highs = list(LOWEST[:3]), list(HIGHEST[:3])
-    if isinstance(engine, HomogeneousEngine):
-        weakest = spec.bounds.disturbance_of(1) / spec.bounds.gamma_of(1)[0]
-        limit = spec.limits.tau[1] if spec.limits.tau else 20.0 * (1.0 + weakest)
-        lows[1], highs[1] = 1.05 * weakest + 1e-2 * limit, relaxed * limit
-    return [(math.log(low), math.log(high)) for low, high in zip(lows, highs, strict=True)]
-
-
-class _Search:
-    """Candidates of one engine: a sweep, then a descent from the best."""
-
-    def __init__(
-        self, engine: Engine, spec: Spec, looked_at: list[Candidate], relaxed: float = 1.0
-    ) -> None:
-        self._engine, self._spec, self._looked_at = engine, spec, looked_at
-        self.best: Candidate | None = None
-        self._ranges = _range_of(engine, spec, relaxed)
-
-    def price(self, unit: Sequence[float]) -> float:
-        """Price at a point of the unit cube, with the best return for it."""
-        logs = [
-            low + min(max(x, 0.0), 1.0) * (high - low)
-            for x, (low, high) in zip(unit, self._ranges, strict=True)
-        ]
-        outside = sum(max(0.0, -x, x - 1.0) for x in unit)
-        cruise, approach, hold = (math.exp(log) for log in logs)
-        low, high = math.log(LOWEST.back), math.log(HIGHEST.back)
-        found = math.inf
-        for fine in (
-            4,
-            2,
-        ):  # a coarse sweep of the return's speed, then a finer one around its best
-            step = (high - low) / (2 * fine)
-            prices = []
-            for i in range(2 * fine + 1):
-                back = low + i * step
-                candidate = self._engine.candidate(Knobs(cruise, approach, hold, math.exp(back)))
-                if candidate is None:
-                    return 1e3 + outside
-                self._looked_at.append(candidate)
-                price = candidate.price(self._spec)
-                prices.append((price, back))
-                if self.best is None or price < self.best.price(self._spec):
-                    self.best = candidate
-            least, at = min(prices)
-            found = min(found, least)
-            low, high = at - step, at + step
-        return found + outside
-
-    def run(self, sweep: int, steps: int, progress: Callable[[float], None]) -> None:
-        """Sweep the cube, then descend."""
-        from scipy.optimize import minimize
-        from scipy.stats import qmc
-
-        # of any number of points the first; scipy warns of all but powers of two
-        points = qmc.Sobol(3, seed=0).random_base2((sweep - 1).bit_length())[:sweep]
-        prices = []
-        for i, point in enumerate(points):
-            prices.append((self.price(point), tuple(point)))
-            progress((i + 1) / (sweep + steps))
-        start = min(prices)[1]
-        count = [0]
-
-        def told(_: object) -> None:
-            count[0] += 1
-            progress(min(1.0, (sweep + count[0]) / (sweep + steps)))
-
-        minimize(
-            self.price,
-            start,
-            method="Nelder-Mead",
-            callback=told,
-            options={
-                "maxfev": steps,
-                "xatol": 2e-3,
-                "fatol": 2e-3,
-                "initial_simplex": _simplex(start),
-            },
-        )
-
-
-def _simplex(start: Sequence[float]) -> list[list[float]]:
-    """A start for the descent that stays in the cube."""
-    corners = [list(start)]
-    for i, x in enumerate(start):
-        corner = list(start)
-        corner[i] = x - 0.15 if x > 0.5 else x + 0.15
-        corners.append(corner)
-    return corners
+    return forms[0], forms[1]
 
 
 def design(
@@ -220,7 +120,7 @@ def design(
     *,
     sweep: int = 16,
     steps: int = 40,
-    progress: Callable[[str, float], None] = lambda *_: None,
+    progress: Progress = lambda *_: None,
 ) -> Design:
     """Find gains for a specification, with a certificate.
 
@@ -229,7 +129,8 @@ def design(
     spec : Spec
         What is wanted.
     sweep, steps : int
-        How many points each engine looks at: first spread, then descending from the best.
+        How many points each engine looks at: first spread, then descending from the best. So
+        many forms of the paper's Step 2 are tried, too.
     progress : callable
         Told what is being done, and which share of it is done.
 
@@ -262,14 +163,18 @@ def design(
     ctx.prec = PRECISION
     check_feasible(spec)
     found = Design(spec)
-    used = []
+    hold, back = two_chain_forms(spec, lambda text: progress(text, 0.0))
+    engine = None
     try:
-        for engine in engines(spec, lambda text: progress(text, 0.0)):
-            used.append(engine)
-            _look(found, engine, sweep, steps, progress)
-        if found.chosen is None or over_limits(found.chosen, spec):
-            for engine in used:  # beyond the limits, to say what would do
-                _look(found, engine, sweep, steps // 2, progress, relaxed=RELAXED)
+        if spec.design.engine != "paper":
+            engine = _homogeneous(found, hold, back, sweep, steps, progress)
+        if spec.design.engine != "homogeneous":
+            _paper(found, hold, back, sweep, steps, progress)
+        beyond = found.chosen is None or over_limits(found.chosen, spec)
+        if engine is not None and beyond and not found.interrupted:
+            # beyond the limits, to say what would do
+            search = KnobSearch(engine, spec, found.looked_at, RELAXED)
+            _search(found, search, sweep, steps // 2, progress)
     except KeyboardInterrupt:
         found.interrupted = True
     if found.chosen is None:
@@ -286,26 +191,113 @@ def design(
     return _certified(found, lambda text: progress(f"certifying: {text}", 0.0))
 
 
-def _look(
+def _search(found: Design, search: KnobSearch, sweep: int, steps: int, progress: Progress) -> None:
+    """Search the candidates of one engine; what was found stays when the search is interrupted."""
+    done = [0]
+
+    def told() -> None:
+        done[0] += 1
+        progress(f"{search.engine.name} engine", min(1.0, done[0] / (sweep + steps)))
+
+    try:
+        search.sweep(sweep, told)
+        search.descend(steps, told)
+    finally:
+        _take(found, search)
+
+
+def _take(found: Design, search: KnobSearch) -> None:
+    """Choose the best of a search if it is better than what was chosen."""
+    if search.best is not None and search.price < _price(found):
+        found.chosen = search.best
+
+
+def _price(found: Design) -> float:
+    return math.inf if found.chosen is None else found.chosen.price(found.spec)
+
+
+def _best_way(found: Design, searches: Sequence[KnobSearch], points: int) -> KnobSearch:
+    """The search in the best direction of travel, by a coarse sweep of each."""
+    if len(searches) > 1:
+        for search in searches:
+            try:
+                search.sweep(points)
+            finally:
+                _take(found, search)
+    return min(searches, key=lambda search: search.price)
+
+
+def _homogeneous(
     found: Design,
-    engine: Engine,
+    hold: TwoChainForm,
+    back: TwoChainForm,
     sweep: int,
     steps: int,
-    progress: Callable[[str, float], None],
-    *,
-    relaxed: float = 1.0,
+    progress: Progress,
+) -> HomogeneousEngine:
+    """Search the candidates of the homogeneous law in the best direction; give that engine."""
+    spec = found.spec
+    ways = [HomogeneousEngine(spec, hold, back, way) for way in directions_of(spec)]
+    progress("homogeneous engine", 0.0)
+    searches = [KnobSearch(engine, spec, found.looked_at) for engine in ways]
+    best = _best_way(found, searches, min(COARSE, sweep))
+    _search(found, best, sweep, steps, progress)
+    return ways[searches.index(best)]
+
+
+def _paper(
+    found: Design,
+    hold: TwoChainForm,
+    back: TwoChainForm,
+    sweep: int,
+    steps: int,
+    progress: Progress,
 ) -> None:
-    """Search the candidates of one engine; what was found stays when the search is interrupted."""
-    name = "homogeneous" if isinstance(engine, HomogeneousEngine) else "paper"
-    search = _Search(engine, found.spec, found.looked_at, relaxed)
-    try:
-        search.run(sweep, steps, partial(progress, f"{name} engine"))
-    finally:
-        better, best = search.best, found.chosen
-        if better is not None and (
-            best is None or better.price(found.spec) < best.price(found.spec)
-        ):
-            found.chosen = better
+    """Sample forms of the paper's Step 2, prove the few best, and search their candidates.
+
+    A form is proved only if, as sampled, it is better than what was found until then: proofs make
+    bounds a little worse, not better.
+    """
+    spec, shapes = found.spec, ShapeSearch(found.spec, hold, back)
+    shapes.run(
+        sweep,
+        steps,
+        enough=_price(found),
+        progress=lambda share: progress("shapes of the paper's Step 2, sampled", share),
+    )
+    found.interrupted = shapes.interrupted
+    proofs = 0
+    for scored in shapes.ranked():
+        if scored.price >= _price(found) or proofs == PROOFS:
+            return
+        form = _proved(scored, spec, progress)
+        if form is None:
+            continue
+        proofs += 1
+        searches = [
+            KnobSearch(shapes.engine(form, way), spec, found.looked_at)
+            for way in directions_of(spec)
+        ]
+        for search in searches:
+            search.look(scored.knobs)
+            _take(found, search)
+        if found.interrupted:
+            return
+        best = _best_way(found, searches, min(COARSE, sweep))
+        best.descend_at_once(AT_ONCE * steps, scored.knobs)
+        _take(found, best)
+        _search(found, best, sweep, 0, progress)
+        best.descend_at_once(AT_ONCE * steps)
+        _take(found, best)
+
+
+def _proved(scored: Scored, spec: Spec, progress: Progress) -> ThreeChainForm | None:
+    """A form with a link that is proved instead of sampled; None if it cannot be."""
+    form = scored.form
+    gains = ", ".join(f"{gain:g}" for gain in form.l)
+    progress(f"Lyapunov function of the paper's Step 2, q1 = {form.q}, l = ({gains})", 0.0)
+    link = approach_link(Gains(q1=form.q, l=form.l), normal_ranges(spec))
+    return None if link is None else replace(form, link=link)
 
 
 def _certified(found: Design, progress: Callable[[str], None]) -> Design:

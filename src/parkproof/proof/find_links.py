@@ -171,6 +171,38 @@ def two_chain_link(q: str, k: tuple[float, float], gains: Range) -> dict[str, An
     return {"k2": weight, "rate": rate, "sizes": sizes}
 
 
+def sampled_approach_link(
+    gains: Gains, ranges: Sequence[Range], *, start: Sequence[float] = (1.0, 0.0, 0.0)
+) -> dict[str, Any] | None:
+    """What `approach_link` would find at best, by sampling alone; for comparisons, never a proof.
+
+    Parameters
+    ----------
+    gains, ranges, start
+        As in `approach_link`.
+
+    Returns
+    -------
+    dict or None
+        Weights, rate and sizes as they would be tried first; None if V falls for no weights tried.
+
+    Examples
+    --------
+    >>> link = sampled_approach_link(Gains(q1="13/15"), [(0.5, 1.5), (1.0, 1.0)])
+    >>> link["rate"] > 1.5
+    True
+    """
+    found = best_weights_with_squares(gains, b1=ranges[0], b2=ranges[1], varies=True, start=start)
+    if not found.rate > 0.0:
+        return None
+    return {
+        "k": list(found.k),
+        "s": list(found.s),
+        "rate": SHARES[0] * found.rate,
+        "sizes": [SLACKS[0] * size for size in found.sizes],
+    }
+
+
 def approach_link(
     gains: Gains, ranges: Sequence[Range], *, start: Sequence[float] = (1.0, 0.0, 0.0)
 ) -> dict[str, Any] | None:

@@ -95,6 +95,12 @@ class ChainTerms:
         squares = [*self._y[1:-1], self._xi[-1]] if self._squares else []
         return np.array([first, *self._integrals, *(0.5 * y**2 for y in squares)])
 
+    def coordinates(self) -> "Array":
+        """Give y_1 … y_r and ξ_{r−1} at the states: a row each."""
+        import numpy as np
+
+        return np.array([*self._y, self._xi[-1]])
+
     def rates(self, b: Corner, *, constant: bool) -> "Array":
         """Give the terms of V̇, as those of V.
 
@@ -214,6 +220,24 @@ class SampledSphere:
             The ratio.
         """
         return float(self._ratios(weights, self.values, self.rates).max())
+
+    def sizes(self, weights: "Array") -> "Array":
+        """Give the largest y_i²/V and ξ²/V over the corners and states.
+
+        Parameters
+        ----------
+        weights : array
+            1, 1/k1, …, s1, ….
+
+        Returns
+        -------
+        array
+            One for each coordinate, and one for ξ.
+        """
+        terms = ChainTerms(self.chain.gains, self.chain.q, self.chain.state_at(*self.cube))
+        values = (weights @ self.values).min(axis=0)
+        largest: Array = (terms.coordinates() ** 2 / values).max(axis=1)
+        return largest
 
     def add_worse(self, weights: "Array") -> tuple[float, float]:
         """Zoom in on the worst states of parts of the faces, and add what is met.

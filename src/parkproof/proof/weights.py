@@ -28,6 +28,8 @@ class Weights:
         k1, k2 of the paper's terms and s1, s2 of the squares.
     rate : float
         Sampled c; not positive if no weights were found.
+    sizes : four floats
+        Sampled largest y1²/V, y2²/V, y3²/V and ξ2²/V; none if not sampled.
 
     Examples
     --------
@@ -38,6 +40,7 @@ class Weights:
     k: tuple[float, float]
     s: tuple[float, float]
     rate: float
+    sizes: tuple[float, ...] = ()
 
 
 def sphere_of(
@@ -85,8 +88,8 @@ def _step2(
     *,
     varies: bool,
     squares: bool,
-) -> tuple[list[float], float]:
-    """k1, k2, with squares also s1, s2, of six digits, and their rate."""
+) -> tuple[list[float], float, tuple[float, ...]]:
+    """k1, k2, with squares also s1, s2, of six digits, their rate and sizes."""
     import numpy as np
 
     if start is not None and len(start) != 3:
@@ -101,7 +104,8 @@ def _step2(
     found = seek(sphere, start)
     k = [float(f"{weight:.6g}") for weight in 1.0 / found[1:3]]
     s = [float(f"{weight:.6g}") for weight in found[3:]]
-    return [*k, *s], -sphere.worst(np.array([1.0, *(1.0 / weight for weight in k), *s]))
+    weights = np.array([1.0, *(1.0 / weight for weight in k), *s])
+    return [*k, *s], -sphere.worst(weights), tuple(sphere.sizes(weights).tolist())
 
 
 def best_weights(
@@ -141,7 +145,7 @@ def best_weights(
     >>> rate > 1.75
     True
     """
-    (k1, k2), rate = _step2(gains, b1, b2, start, varies=varies, squares=False)
+    (k1, k2), rate, _ = _step2(gains, b1, b2, start, varies=varies, squares=False)
     return (k1, k2), rate
 
 
@@ -163,7 +167,7 @@ def best_weights_with_squares(
     Returns
     -------
     Weights
-        The weights and the rate.
+        The weights, the rate and the sizes.
 
     Raises
     ------
@@ -177,8 +181,8 @@ def best_weights_with_squares(
     >>> best_weights_with_squares(Gains(), b1=(0.5, 1.5), b2=(0.8, 1.25), varies=False).rate > 0.9
     True
     """
-    (k1, k2, s1, s2), rate = _step2(gains, b1, b2, start, varies=varies, squares=True)
-    return Weights((k1, k2), (s1, s2), rate)
+    (k1, k2, s1, s2), rate, sizes = _step2(gains, b1, b2, start, varies=varies, squares=True)
+    return Weights((k1, k2), (s1, s2), rate, sizes)
 
 
 def best_weights_two_chain(

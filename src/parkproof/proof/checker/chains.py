@@ -114,6 +114,8 @@ class TwoChain:
         2.
     q, degrees, input_gain, input_power
         As in `ThreeChain`.
+    line : arb
+        K1.
 
     Examples
     --------
@@ -131,23 +133,23 @@ class TwoChain:
         self.degrees = (arb(1), self.q)
         self.input_gain, self.input_power = k3, 2 * self.q - 1
         self._k2 = exact(k2)
-        self._K1 = k1 ** (1 / self.q)
+        self.line = k1 ** (1 / self.q)
         self._kernel = Kernel(self.q)
 
     def coordinates(self, z: Box) -> tuple[tuple[arb, arb], arb]:
         """Enclose (y1, y2) and ξ on a box of (y1, ξ/K1)."""
-        xi = z[1] * self._K1
-        return (z[0], xi - self._K1 * z[0]), xi
+        xi = z[1] * self.line
+        return (z[0], xi - self.line * z[0]), xi
 
     def value(self, y: Box, _: arb) -> arb:
         """Enclose V at (y1, y2); it does not depend on the gain."""
-        return y[0] * y[0] / 2 + self._kernel.i(-self._K1 * y[0], y[1]) / self._k2
+        return y[0] * y[0] / 2 + self._kernel.i(-self.line * y[0], y[1]) / self._k2
 
     def value_and_rate(self, z: Box, b: arb) -> tuple[arb, arb]:
         """Enclose V and V̇ on a box of (y1, ξ/K1)."""
         q, (y1, y2), xi = self.q, *self.coordinates(z)
         u = power(y2, q)
-        inner = (2 - q) * self._K1 * b * u * self._kernel.j(-self._K1 * y1, y2)
+        inner = (2 - q) * self.line * b * u * self._kernel.j(-self.line * y1, y2)
         rate = b * y1 * u + (inner - self.input_gain * power(size(xi), 1 + q)) / self._k2
         return self.value((y1, y2), b), rate
 

@@ -8,6 +8,7 @@ the latest, when its Lyapunov function has fallen to a level inside its toleranc
 2. Approach: b1 = α2|u0| stays in a range, V of (s·x1, x2, u1) falls, x0 moves in direction s.
 3. Return and 4. hold: V of (x0, u0) falls, V of (x2, u1) falls, to 0. x1 drifts by at most
    α2^max·sup|u0|·∫|x2| dt, which must leave it inside the hysteresis, or the law would go back.
+   x0 stays on its side of 0 where `parkproof.proof.checker.overshoot` proves it.
 
 The turn before them is in `parkproof.proof.checker.starts`.
 """
@@ -18,6 +19,7 @@ from flint import arb
 
 from parkproof.proof.checker.balls import Range, down, exact, largest, least, point_power, size, up
 from parkproof.proof.checker.links import Interval, PowerIntegrator
+from parkproof.proof.checker.overshoot import reached
 from parkproof.proof.checker.parts import (
     Box,
     GapError,
@@ -177,7 +179,8 @@ def _return(
             f"in the return x1 may drift to {ratio:.3g} times its tolerance, and the law go back: "
             f"hysteresis must be at least {ratio:.3g}"
         )
-    ends = (least(-far, x0[0]), largest(far, x0[1]))
+    highest = exact(known.alpha[0][1])
+    ends = reached(links.back.chain, highest, far, x0, u0, rest=law.tolerance2)
     tau1 = links.back.tau(along, gamma[0], phi[0])
     tau2 = links.hold.tau(across, gamma[1], phi[1])
     peaks.meet(ends, x1, steep, fast, spin, tau1, tau2)
