@@ -34,7 +34,7 @@ def render_size(lens: Lens) -> tuple[int, int]:
     >>> render_size(Lens(image_size=(640, 480), focal_length=600.0, aspect=1.0))
     (640, 480)
     >>> render_size(Lens(image_size=(640, 480), focal_length=600.0, aspect=1.0, k1=-0.15))
-    (700, 526)
+    (698, 524)
     """
     width, height = lens.image_size
     if lens.k1 == 0.0:

@@ -192,7 +192,7 @@ class RobotSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 
     Examples
     --------
-    >>> RobotSettings(dead_band=0.3).limits().least_speed
+    >>> round(RobotSettings(dead_band=0.3).limits().least_speed, 4)
     0.015
     >>> RobotSettings(tag_id=900)
     Traceback (most recent call last):
