@@ -153,7 +153,7 @@ def world_model(
   <worldbody>
     <light type="directional" dir="0.3 0.2 -1" diffuse="0.45 0.45 0.45" specular="0 0 0"
            castshadow="false"/>
-    <geom name="floor" type="plane" size="60 60 1" material="floor" friction="0.1 0.005 0.0001"/>
+    <geom name="floor" type="plane" group="1" size="60 60 1" material="floor" friction="0.1 0.005 0.0001"/>
     <camera name="camera" pos="{_text((*camera.position, camera.height))}"
             xyaxes="{_text((*axis_u, *(-component for component in axis_v)))}"
             resolution="{width} {height}" focal="{_text(focal)}"

@@ -8,7 +8,7 @@ after the latency; meanwhile the robot goes on with its last command.
 import math
 from collections import deque
 from types import TracebackType
-from typing import Any, NamedTuple, Self
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from parkproof.lab.devices import Frame, Image, Missing, RobotLimits, RobotSilen
 from parkproof.lab.world.model import world_model
 from parkproof.lab.world.opengl import load_mujoco
 from parkproof.lab.world.physics import Physics
+from parkproof.lab.world.render import Renderer
 from parkproof.lab.world.sensor import Sensor, render_size
 from parkproof.lab.world.settings import FloorPose, WorldSettings
 from parkproof.lab.world.view import TagView
@@ -116,11 +117,10 @@ class World:
     """
 
     def __init__(self, settings: WorldSettings) -> None:
-        mujoco = load_mujoco()
         self.settings = settings
         size = render_size(settings.camera.lens())
         text, pictures = world_model(settings, render_size=size)
-        self._model = mujoco.MjModel.from_xml_string(text, pictures)
+        self._model = load_mujoco().MjModel.from_xml_string(text, pictures)
         self._physics = Physics(settings, self._model)
         robot = settings.robot
         plane = self._physics.axle_height + robot.tag_height - robot.wheel_radius
@@ -128,9 +128,7 @@ class World:
         self.view = TagView(settings, to_pixels=self.to_pixels)
         self.history: list[Truth] = []
         self._sensor = Sensor(settings.camera, settings.seed)
-        self._shown = mujoco.MjData(self._model)
-        self._mujoco = mujoco
-        self._renderer: Any = mujoco.Renderer(self._model, size[1], size[0])
+        self._renderer: Renderer | None = Renderer(settings, self._model, size)
         self._command = (0.0, 0.0)
         self._next = 0
         self._states: list[NDArray[np.float64]] = []
@@ -298,12 +296,9 @@ class World:
         return self._sensor.expose(renderings, number=exposure.number)
 
     def _render(self, state: NDArray[np.float64]) -> Image:
-        self._shown.qpos[:] = state
-        self._mujoco.mj_kinematics(self._model, self._shown)
-        self._mujoco.mj_camlight(self._model, self._shown)
-        self._renderer.update_scene(self._shown, camera="camera")
-        image: Image = self._renderer.render()
-        return image
+        if self._renderer is None:
+            raise InputError("the world is closed: make a new one to see something")
+        return self._renderer.picture(state)
 
 
 class WorldCamera:
