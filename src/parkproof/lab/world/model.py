@@ -18,7 +18,7 @@ from parkproof.lab.world.textures import (
 STEP = 0.002
 """Longest step of the physics in s."""
 
-SERVO_GAIN = 0.2
+SERVO_GAIN = 1.0
 """Torque of a wheel's servo by its error in speed, N m s."""
 
 _SENSOR = 1e-5
@@ -139,6 +139,7 @@ def world_model(
     <map znear="0.02" zfar="200"/>
   </visual>
   <default>
+    <geom solref="0.005 1"/>
     <default class="shown"><geom contype="0" conaffinity="0" mass="0"/></default>
   </default>
   <asset>
@@ -153,7 +154,8 @@ def world_model(
   <worldbody>
     <light type="directional" dir="0.3 0.2 -1" diffuse="0.45 0.45 0.45" specular="0 0 0"
            castshadow="false"/>
-    <geom name="floor" type="plane" group="1" size="60 60 1" material="floor" friction="0.1 0.005 0.0001"/>
+    <geom name="floor" type="plane" group="1" size="60 60 1" material="floor"
+          friction="0.1 0.005 0.0001"/>
     <camera name="camera" pos="{_text((*camera.position, camera.height))}"
             xyaxes="{_text((*axis_u, *(-component for component in axis_v)))}"
             resolution="{width} {height}" focal="{_text(focal)}"

@@ -39,7 +39,7 @@ def load_mujoco() -> Any:
     if sys.platform == "linux":
         # The same software on every Linux machine, with a screen or without: the same pictures.
         os.environ.setdefault("MUJOCO_GL", "osmesa")
-    backend = os.environ.get("MUJOCO_GL", "").strip().lower()
+    backend = _backend()
     library, package = _LIBRARIES.get(backend, ("", ""))
     if library and ctypes.util.find_library(library) is None:
         raise InputError(
@@ -53,3 +53,35 @@ def load_mujoco() -> Any:
             f"mujoco does not load with MUJOCO_GL={backend or 'unset'} ({error}); run: apt-get "
             "install libosmesa6, and leave MUJOCO_GL unset"
         ) from error
+
+
+def gl_context(width: int, height: int) -> Any:
+    """Make a place to render in, of the kind that MUJOCO_GL names.
+
+    MuJoCo decides for a kind when it is first imported, which may have been before our choice.
+
+    Parameters
+    ----------
+    width, height : int
+        Its size in px.
+
+    Returns
+    -------
+    GLContext
+        MuJoCo's, with ``make_current`` and ``free``.
+
+    Examples
+    --------
+    >>> context = gl_context(64, 48)
+    >>> context.make_current()
+    >>> context.free()
+    """
+    mujoco = load_mujoco()
+    backend = _backend()
+    if backend in _LIBRARIES:
+        return importlib.import_module(f"mujoco.{backend}").GLContext(width, height)
+    return mujoco.GLContext(width, height)
+
+
+def _backend() -> str:
+    return os.environ.get("MUJOCO_GL", "").strip().lower()

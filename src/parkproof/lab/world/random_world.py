@@ -13,6 +13,7 @@ from parkproof.lab.world.settings import (
     PushSettings,
     RobotSettings,
     WorldSettings,
+    whole_number,
 )
 from parkproof.lab.world.view import TagView
 
@@ -55,7 +56,7 @@ def random_world(seed: int, *, start: int = 0, hard: bool = False) -> WorldSetti
     Raises
     ------
     InputError
-        If a seed is negative.
+        If a seed is no whole number, or negative.
 
     Examples
     --------
@@ -66,10 +67,7 @@ def random_world(seed: int, *, start: int = 0, hard: bool = False) -> WorldSetti
     0.1
     """
     for name, value in (("seed", seed), ("start", start)):
-        if not value >= 0:
-            raise InputError(
-                f"{name} = {value}: must not be negative; write for example {name} = 0"
-            )
+        whole_number(name, value)
     rng = np.random.default_rng((seed, 0))
     robot = RobotSettings(
         tag_id=int(rng.integers(0, LAST_TAG + 1)),
@@ -87,7 +85,7 @@ def random_world(seed: int, *, start: int = 0, hard: bool = False) -> WorldSetti
     return WorldSettings(
         camera=camera,
         robot=msgspec.structs.replace(robot, motor_gains=gains),
-        pushes=PushSettings(force=1.0, duration=0.2, rate=0.5),
+        pushes=PushSettings(force=2.0, duration=0.2, rate=0.5),
         start=pose,
         goal=goal,
         seed=int(own.integers(0, 2**31)),

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from parkproof.lab.devices import Image
-from parkproof.lab.world.opengl import load_mujoco
-from parkproof.lab.world.settings import FloorPose, WorldSettings
+from parkproof.lab.world.opengl import gl_context, load_mujoco
+from parkproof.lab.world.settings import WorldSettings
 from parkproof.lab.world.view import Point
 from parkproof.model.homography import Homography
 
@@ -60,7 +60,7 @@ class Renderer:
         self._camera = mujoco.MjvCamera()
         self._camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
         self._camera.fixedcamid = 0
-        self._gl: Any = mujoco.GLContext(*size)
+        self._gl: Any = gl_context(*size)
         self._gl.make_current()
         self._context: Any = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
@@ -173,12 +173,11 @@ def _planes_of_the_robot(settings: WorldSettings, size: tuple[int, int]) -> list
     shift_v = 0.5 * (size[1] - camera.image_size[1])
     shift = Homography((1.0, 0.0, shift_u, 0.0, 1.0, shift_v, 0.0, 0.0, 1.0))
     pinhole = camera.pinhole()
-    return [shift @ pinhole.homography(height) for height in (0.0, settings.robot.tag_height + 0.01)]
+    top = settings.robot.tag_height + 0.01
+    return [shift @ pinhole.homography(height) for height in (0.0, top)]
 
 
-def _square(
-    x: float, y: float, half: float, planes: Sequence[Homography]
-) -> list[Point] | None:
+def _square(x: float, y: float, half: float, planes: Sequence[Homography]) -> list[Point] | None:
     """Images of the corners of a square in each plane; None if one lies behind the camera."""
     corners = [(x + p, y + q) for p in (-half, half) for q in (-half, half)]
     if any(plane.depth(*corner) <= 0.05 for plane in planes for corner in corners):

@@ -19,6 +19,39 @@ FloorPose = tuple[float, float, float]
 """x and y of the middle of the axle in m, and θ in rad."""
 
 
+def whole_number(name: str, value: int) -> int:
+    """Return a whole number, or raise if it is not one or is negative.
+
+    Parameters
+    ----------
+    name : str
+        What it is called where the user wrote it.
+    value : int
+        The number.
+
+    Returns
+    -------
+    int
+        The number.
+
+    Raises
+    ------
+    InputError
+        If it is no whole number, or below 0.
+
+    Examples
+    --------
+    >>> whole_number("seed", 3)
+    3
+    """
+    if isinstance(value, bool) or not isinstance(value, int) or value < 0:
+        raise InputError(
+            f"{name} = {value!r}: must be a whole number, not negative; "
+            f"write for example {name} = 0"
+        )
+    return value
+
+
 class CameraSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The true camera: where it hangs, its lens, its sensor, and when its frames arrive.
 
@@ -110,10 +143,11 @@ class CameraSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
                 f"{0.5 * self.exposure_time + 0.05:.2g}"
             )
         width, height = numbers("image_size", self.image_size, 2)
-        if not (64 <= width <= 4096 and 64 <= height <= 4096):
+        whole = width == int(width) and height == int(height)
+        if not (whole and 64 <= width <= 4096 and 64 <= height <= 4096):
             raise InputError(
-                f"image_size = {list(self.image_size)}: width and height must be in [64, 4096] "
-                "px; write for example image_size = [640, 480]"
+                f"image_size = {list(self.image_size)}: width and height must be whole numbers in "
+                "[64, 4096] px; write for example image_size = [640, 480]"
             )
         force_setattr(self, "image_size", (int(width), int(height)))
         floor = self.pinhole().homography().inverse()
@@ -228,7 +262,7 @@ class RobotSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
             force_setattr(self, name, positive(name, getattr(self, name)))
         for name in ("dead_band", "friction_torque", "servo_time"):
             force_setattr(self, name, not_negative(name, getattr(self, name)))
-        if not 0 <= self.tag_id <= LAST_TAG:
+        if not whole_number("tag_id", self.tag_id) <= LAST_TAG:
             raise InputError(
                 f"tag_id = {self.tag_id}: tags of the family tag36h11 have numbers 0 to "
                 f"{LAST_TAG}; write for example tag_id = 0"
@@ -405,10 +439,7 @@ class WorldSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     def __post_init__(self) -> None:
         for name in ("start", "goal"):
             force_setattr(self, name, numbers(name, getattr(self, name), 3))
-        if not self.seed >= 0:
-            raise InputError(
-                f"seed = {self.seed}: must not be negative; write for example seed = 0"
-            )
+        whole_number("seed", self.seed)
         if not self.camera.height > self.robot.tag_height + 0.1:
             raise InputError(
                 f"height = {self.camera.height:g}: the camera must hang at least 0.1 m above the "

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from parkproof.lab.devices import Image
 
-FLOOR_TEXELS = 1024
+FLOOR_TEXELS = 512
 FLOOR_METRES = 2.0
 """The floor's picture repeats after this."""
 
@@ -30,14 +30,14 @@ def floor_texture(*, brightness: float, contrast: float, rng: np.random.Generato
 
     Returns
     -------
-    array of uint8, shape (1024, 1024)
+    array of uint8, shape (512, 512)
         Grey.
 
     Examples
     --------
     >>> texture = floor_texture(brightness=130.0, contrast=14.0, rng=np.random.default_rng(0))
     >>> texture.shape, round(texture.mean())
-    ((1024, 1024), 130)
+    ((512, 512), 130)
     """
     # Spectrum of stains at all sizes: amplitude falling with spatial frequency.
     frequency = np.fft.fftfreq(FLOOR_TEXELS) * FLOOR_TEXELS

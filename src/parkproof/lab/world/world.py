@@ -26,8 +26,8 @@ from parkproof.model.homography import Homography
 from parkproof.validate import finite, not_negative
 
 _DROP_STREAM = 4
-_SUBFRAMES = 4
-"""Renderings that are averaged over the time of exposure."""
+_SUBFRAMES = 5
+"""Renderings that are averaged over the time of exposure; odd, so that one is in its middle."""
 
 
 class Truth(NamedTuple):
@@ -100,7 +100,8 @@ class World:
     view : TagView
         Where a robot's tag appears, with distortion.
     history : list of Truth
-        What was true whenever a frame was taken, those that were dropped included.
+        What was true in the middle of each frame's exposure, by the frame's number; those that
+        were dropped are there, too.
 
     Raises
     ------
@@ -128,7 +129,9 @@ class World:
         self.view = TagView(settings, to_pixels=self.to_pixels)
         self.history: list[Truth] = []
         self._sensor = Sensor(settings.camera, settings.seed)
-        self._renderer: Renderer | None = Renderer(settings, self._model, size)
+        self._size = size
+        self._renderer: Renderer | None = None
+        self._closed = False
         self._command = (0.0, 0.0)
         self._next = 0
         self._states: list[NDArray[np.float64]] = []
@@ -156,14 +159,15 @@ class World:
     @property
     def closed(self) -> bool:
         """Whether it has been closed."""
-        return self._renderer is None
+        return self._closed
 
     def close(self) -> None:
         """End it. May be called twice."""
+        self._closed = True
+        self._pending.clear()
         if self._renderer is not None:
             self._renderer.close()
             self._renderer = None
-            self._pending.clear()
 
     def place(self, pose: FloorPose) -> None:
         """Put the robot somewhere, at rest, as a hand would; frames on their way are lost.
@@ -179,11 +183,13 @@ class World:
             If a number is not finite.
         """
         x, y, theta = (finite("pose", value) for value in pose)
+        if self._states:  # the shutter is open: that frame is lost, too
+            self._record(at_least=self._next + 1)
+            self._states.clear()
+            self._next += 1
         self._physics.place((x, y, theta))
         self._command = (0.0, 0.0)
         self._pending.clear()
-        self._states.clear()
-        self._next = math.floor(self.t * self.settings.camera.rate) + 1 if self.t > 0.0 else 0
 
     def command(self, v: float, omega: float) -> None:
         """Command the robot, at once (`WorldRobot.send`).
@@ -275,15 +281,21 @@ class World:
                 break
             self._physics.advance(instant)
             self._states.append(self._physics.state())
+            if len(self._states) > len(instants) // 2:
+                self._record(at_least=self._next + 1)
             if len(self._states) == len(instants):
                 self._take()
         self._physics.advance(until)
+
+    def _record(self, *, at_least: int) -> None:
+        """Keep the truth of the middle of the exposure, once for every frame."""
+        if len(self.history) < at_least:
+            self.history.append(self.truth())
 
     def _take(self) -> None:
         """End the exposure of a frame, and send it on its way unless it is dropped."""
         camera, number = self.settings.camera, self._next
         t = number / camera.rate
-        self.history.append(self.truth())
         draw = np.random.default_rng((self.settings.seed, _DROP_STREAM, number)).random()
         if draw >= camera.drop:
             arrival = t + camera.latency
@@ -296,8 +308,10 @@ class World:
         return self._sensor.expose(renderings, number=exposure.number)
 
     def _render(self, state: NDArray[np.float64]) -> Image:
-        if self._renderer is None:
+        if self._closed:
             raise InputError("the world is closed: make a new one to see something")
+        if self._renderer is None:  # worlds that nobody looks at need none
+            self._renderer = Renderer(self.settings, self._model, self._size)
         return self._renderer.picture(state)
 
 
