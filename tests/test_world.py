@@ -421,6 +421,7 @@ def test_tags_of_random_worlds_are_found(detector: object) -> None:
         (CameraSettings, {"k1": -0.5}, "k1 = -0.5: such a barrel does not fill the picture"),
         (RobotSettings, {"tag_id": 587}, "tag_id = 587: .* 0 to 586"),
         (RobotSettings, {"tag_id": 1.5}, "tag_id = 1.5: must be a whole number"),
+        (RobotSettings, {"track": 0.05}, "track = 0.05: must be at least 1.5 times wheel_radius"),
         (RobotSettings, {"tag_height": 0.05}, "tag_height = 0.05: the tag must lie above the wh"),
         (RobotSettings, {"motor_gains": (0.5, 1.0)}, "must lie within gain_error = 0.3 of 1"),
         (RobotSettings, {"gain_error": 1.0}, r"gain_error = 1: must be in \[0, 1\)"),
@@ -461,19 +462,28 @@ def test_settings_of_a_file_are_read_and_unknown_keys_refused() -> None:
 def test_a_missing_osmesa_is_named_with_its_package(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MUJOCO_GL", "osmesa")
     monkeypatch.setattr(ctypes.util, "find_library", lambda _: None)
-    with pytest.raises(InputError, match="libOSMesa is not installed; run: apt-get install libos"):
+    with pytest.raises(InputError, match="libOSMesa is not installed; on Debian run: apt-get i"):
         load_mujoco()
 
 
-def test_a_backend_that_is_set_is_respected() -> None:
+@pytest.mark.skipif(sys.platform != "linux", reason="these kinds of rendering are Linux's")
+@pytest.mark.parametrize(
+    ("backend", "sentence"),
+    [
+        ("nonsense", "MuJoCo does not load with MUJOCO_GL=nonsense"),
+        ("disable", "MuJoCo cannot render with MUJOCO_GL=disable on this machine"),
+    ],
+)
+def test_a_backend_that_is_set_is_respected(backend: str, sentence: str) -> None:
     code = (
         "from parkproof.errors import InputError\n"
-        "from parkproof.lab.world.opengl import load_mujoco\n"
-        "try:\n    load_mujoco()\nexcept InputError as error:\n    print(error)"
+        "from parkproof.lab.world.world import World, WorldSettings\n"
+        "try:\n    World(WorldSettings()).camera.read(1.0)\n"
+        "except InputError as error:\n    print(error)"
     )
-    environment = os.environ | {"MUJOCO_GL": "nonsense"}
+    environment = os.environ | {"MUJOCO_GL": backend}
     run = subprocess.run(
         [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True
     )
-    assert run.stdout.startswith("mujoco does not load with MUJOCO_GL=nonsense")
+    assert run.stdout.startswith(sentence)
     assert run.stdout.count("\n") == 1

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from parkproof.lab.devices import Image
-from parkproof.lab.world.opengl import gl_context, load_mujoco
+from parkproof.lab.world.opengl import load_mujoco, open_context
 from parkproof.lab.world.settings import WorldSettings
 from parkproof.lab.world.view import Point
 from parkproof.model.homography import Homography
@@ -60,9 +60,9 @@ class Renderer:
         self._camera = mujoco.MjvCamera()
         self._camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
         self._camera.fixedcamid = 0
-        self._gl: Any = gl_context(*size)
-        self._gl.make_current()
-        self._context: Any = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
+        self._gl: Any
+        self._context: Any
+        self._gl, self._context = open_context(model, width=size[0], height=size[1])
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
         self._planes = _planes_of_the_robot(settings, size)
         self._half_size = _half_size(settings)

@@ -267,6 +267,12 @@ class RobotSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
                 f"tag_id = {self.tag_id}: tags of the family tag36h11 have numbers 0 to "
                 f"{LAST_TAG}; write for example tag_id = 0"
             )
+        if not self.track >= 1.5 * self.wheel_radius:
+            raise InputError(
+                f"track = {self.track:g}: must be at least 1.5 times wheel_radius = "
+                f"{self.wheel_radius:g}, or the wheels meet; write for example track = "
+                f"{4.0 * self.wheel_radius:g}"
+            )
         numbers("tag_offset", self.tag_offset, 2)
         finite("tag_angle", self.tag_angle)
         lowest = 2.0 * self.wheel_radius + 0.005
