@@ -393,6 +393,11 @@ def test_a_camera_keeps_its_goal_for_every_start() -> None:
     assert random_world(12).camera != worlds[0].camera
 
 
+def test_a_random_world_can_be_written_and_read_back() -> None:
+    settings = random_world(3, hard=True)
+    assert msgspec.json.decode(msgspec.json.encode(settings), type=WorldSettings) == settings
+
+
 def test_tags_of_random_worlds_are_found(detector: object) -> None:
     for seed in range(4):
         settings = random_world(seed)

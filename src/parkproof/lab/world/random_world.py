@@ -96,13 +96,13 @@ def _camera(rng: np.random.Generator, robot: RobotSettings, *, hard: bool) -> Ca
     focal_length = rng.uniform(500.0, 900.0)
     aspect = math.exp(rng.uniform(math.log(0.8), math.log(1.25)))
     tilt = math.radians(rng.uniform(0.0, 35.0))
-    pan, roll = rng.uniform(-180.0, 180.0, size=2)
+    pan, roll = rng.uniform(-180.0, 180.0, size=2).tolist()
     # Side of the tag in the middle of the picture: s √(f_x f_y cos tilt)/depth.
     side = rng.uniform(*TAG_PIXELS)
     depth = robot.tag_side * focal_length * math.sqrt(aspect * math.cos(tilt)) / side
     # The optical axis meets the floor near its origin.
     ahead = depth * math.sin(tilt)
-    x, y = rng.uniform(-0.5, 0.5, size=2)
+    x, y = rng.uniform(-0.5, 0.5, size=2).tolist()
     heading = math.radians(pan)
     return CameraSettings(
         position=(x + ahead * math.sin(heading), y - ahead * math.cos(heading)),
