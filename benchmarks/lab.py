@@ -31,16 +31,16 @@ def run(seed: int, start: int, hard: bool) -> dict:
     from parkproof.lab.settings import LabSettings
     from parkproof.lab.simulated import run_simulated, shown_goal
     from parkproof.lab.world.random_world import random_world
-    from parkproof.lab.world.world import World
+    from parkproof.lab.world import World
 
     cv2.setNumThreads(1)
     with World(random_world(seed, start=start, hard=hard)) as world:
         goal = shown_goal(world)
-        begun, simulated = time.perf_counter(), world.now
+        begun, simulated = time.perf_counter(), world.t
         judged = run_simulated(world, goal, settings=LabSettings())
         taken = time.perf_counter() - begun
         found = judged.run
-        simulated = world.now - simulated
+        simulated = world.t - simulated
         latencies = sorted(found.latencies)
         refused = found.outcome.value == "refused"
         return {

@@ -16,7 +16,7 @@ from parkproof.lab.settings import LabSettings
 from parkproof.lab.simulated import run_simulated, shown_goal
 from parkproof.lab.world.random_world import random_world
 from parkproof.lab.world.settings import WorldSettings
-from parkproof.lab.world.world import World
+from parkproof.lab.world import World
 
 SHORT = LabSettings(hold=2.0, duration=60.0)
 
@@ -128,13 +128,13 @@ def test_a_camera_that_ends_and_a_robot_that_is_silent_end_the_run_with_the_robo
         eye, clock = Ends(world, 40), world.clock
         found = run_lab(eye, world.robot, clock, goal, settings=SHORT, realtime=False)
         assert found.outcome is LabOutcome.CAMERA_ENDED
-        assert world._wanted == (0.0, 0.0)
+        assert world.truth()[6:8] == (0.0, 0.0)
         robot = Silent(world, 40)
         found = run_lab(world.camera, robot, clock, goal, settings=SHORT, realtime=False)
         assert found.outcome is LabOutcome.ROBOT_SILENT
         assert "0.5 s" in found.note
         assert robot.stops > 0
-        assert world._wanted == (0.0, 0.0)
+        assert world.truth()[6:8] == (0.0, 0.0)
 
 
 def test_an_interrupted_run_stops_the_robot_and_keeps_what_there_is():
@@ -151,7 +151,7 @@ def test_an_interrupted_run_stops_the_robot_and_keeps_what_there_is():
         )  # fmt: skip
         assert found.outcome is LabOutcome.INTERRUPTED
         assert len(found.samples) > 10
-        assert world._wanted == (0.0, 0.0)
+        assert world.truth()[6:8] == (0.0, 0.0)
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import msgspec
 
-from parkproof.lab.devices import Frame
+from parkproof.errors import InputError
+from parkproof.lab.devices import Missing
 from parkproof.lab.goal import Goal
 from parkproof.lab.loop import Finished, Watch, run_lab
 from parkproof.lab.record import Recorder
@@ -14,8 +15,12 @@ from parkproof.lab.settings import LabSettings
 from parkproof.lab.summary import Error
 from parkproof.lab.tag import TagDetector
 from parkproof.lab.teach import teach
-from parkproof.lab.world.world import World, image_error
-from parkproof.model.unicycle import Pose, wrap_angle
+from parkproof.lab.world.settings import FloorPose
+from parkproof.lab.world.world import World
+from parkproof.model.unicycle import wrap_angle
+
+STEP = 1e-4
+"""Half the length in m of the stroke by which a heading in the picture is measured."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +47,7 @@ class Judged:
 
 
 def shown_goal(world: World) -> Goal:
-    """Put the robot at its goal, take a picture, and the goal from it; then put it at its start.
+    """Put the robot at its goal, take a frame, and the goal from it; then put it at its start.
 
     Parameters
     ----------
@@ -57,13 +62,15 @@ def shown_goal(world: World) -> Goal:
     Raises
     ------
     InputError
-        If the picture does not show the robot's tag whole.
+        If the frame does not show the robot's tag whole.
     """
     settings = world.settings
-    world.place(Pose(*settings.goal))
-    frame = Frame(world.picture(), t=world.now, number=0)
-    goal = teach(frame, TagDetector(), settings.robot.mount)
-    world.place(Pose(*settings.start))
+    world.place(settings.goal)
+    frame = world.camera.read(1.0)
+    while isinstance(frame, Missing):  # of a camera that drops frames, the first that comes
+        frame = world.camera.read(1.0)
+    goal = teach(frame, TagDetector(), settings.robot.mount())
+    world.place(settings.start)
     return goal
 
 
@@ -92,7 +99,7 @@ def run_simulated(
     Judged
         The run with its true errors.
     """
-    world.truth.clear()
+    first = len(world.history)
     run = run_lab(
         world.camera,
         world.robot,
@@ -104,40 +111,58 @@ def run_simulated(
         watch=watch,
         realtime=False,
     )
-    unseen = sum(not truth.in_view for truth in world.truth)
+    seen = world.history[first:]
+    unseen = sum(not truth.in_view for truth in seen)
     run.frames = msgspec.structs.replace(run.frames, out_of_view=unseen)
-    wanted, found = Pose(*world.settings.goal), world.pose
-    held = [truth.pose for truth in world.truth if truth.t >= (run.parked_at or math.inf)]
+    wanted, found = world.settings.goal, world.truth().pose
+    held = [truth.pose for truth in seen if truth.t >= (run.parked_at or math.inf)]
     errors = [image_error(world, pose, wanted) for pose in [*held, found]]
     return Judged(
         run,
-        image_error=Error(distance=errors[-1][0], heading_deg=math.degrees(errors[-1][1])),
+        image_error=errors[-1],
         true_error=Error(
             distance=math.dist(found[:2], wanted[:2]),
-            heading_deg=math.degrees(abs(wrap_angle(found.theta - wanted.theta))),
+            heading_deg=math.degrees(abs(wrap_angle(found[2] - wanted[2]))),
         ),
         worst_image_error=Error(
-            distance=max(error[0] for error in errors),
-            heading_deg=math.degrees(max(error[1] for error in errors)),
+            distance=max(error.distance for error in errors),
+            heading_deg=max(error.heading_deg for error in errors),
         ),
-        floor_width=floor_width(world),
+        floor_width=world.view.width_across(),
     )
 
 
-def floor_width(world: World) -> float:
-    """How much of the plane of the tag the picture shows across its middle, in m.
+def image_error(world: World, pose: FloorPose, goal: FloorPose) -> Error:
+    """How far a robot's image is from that of the goal.
 
     Parameters
     ----------
     world : World
-        The laboratory.
+        With its camera and lens.
+    pose, goal : three floats
+        On the floor.
 
     Returns
     -------
-    float
-        Distance between the images of the middles of its left and right border.
+    Error
+        Distance of the axle's middle in px, and of the image headings.
+
+    Raises
+    ------
+    InputError
+        If one of them is not before the camera.
     """
-    width, height = world.settings.camera.image_size
-    floor = world.to_pixels.inverse()
-    middle = 0.5 * (height - 1)
-    return math.dist(floor.project(0.0, middle), floor.project(width - 1.0, middle))
+    (u, v, psi), (p, q, chi) = (_image(world, place) for place in (pose, goal))
+    return Error(
+        distance=math.hypot(u - p, v - q), heading_deg=math.degrees(abs(wrap_angle(psi - chi)))
+    )
+
+
+def _image(world: World, pose: FloorPose) -> tuple[float, float, float]:
+    """Image of the axle's middle, and image heading, with the lens's distortion."""
+    x, y, theta = pose
+    dx, dy = STEP * math.cos(theta), STEP * math.sin(theta)
+    middle, behind, before = (world.view.appears(x + k * dx, y + k * dy) for k in (0.0, -1.0, 1.0))
+    if middle is None or behind is None or before is None:
+        raise InputError(f"pose = {pose}: has no image; the robot drove out of the camera's reach")
+    return *middle, math.atan2(before[1] - behind[1], before[0] - behind[0])

@@ -13,6 +13,9 @@ from parkproof.model.homography import Homography, numbers
 from parkproof.scalar import cosine, scalar, sine
 from parkproof.validate import finite, positive
 
+Vector = tuple[float, float, float]
+"""Components along the floor's x and y axes, and upward."""
+
 
 @scalar
 def ceiling_rates(
@@ -249,6 +252,25 @@ class PinholeCamera:
                 "must meet the floor, |tilt| < 90°; write for example tilt = 0.5"
             )
 
+    def axes(self) -> tuple[Vector, Vector, Vector]:
+        """Axes of the picture on the floor's axes.
+
+        Returns
+        -------
+        tuple of three vectors
+            Unit vectors along u, along v, and forward along the optical axis.
+        """
+        cp, sp = math.cos(self.pan), math.sin(self.pan)
+        ct, st = math.cos(self.tilt), math.sin(self.tilt)
+        cr, sr = math.cos(self.roll), math.sin(self.roll)
+        right, down, forward = (cp, sp, 0.0), (ct * sp, -ct * cp, -st), (-st * sp, st * cp, -ct)
+
+        def turned(p: float, q: float) -> Vector:
+            x, y, z = (p * r + q * d for r, d in zip(right, down, strict=True))
+            return x, y, z
+
+        return turned(cr, sr), turned(-sr, cr), forward
+
     def homography(self, plane_height: float = 0.0) -> Homography:
         """Return the map from the plane in which the tag moves to pixels.
 
@@ -273,7 +295,7 @@ class PinholeCamera:
                 f"height = {self.height}: the camera must be above the tag's plane, which is at "
                 f"plane_height = {plane_height}; write for example height = {plane_height + 2.5}"
             )
-        axis_u, axis_v, forward = self.axes
+        axis_u, axis_v, forward = self.axes()
         drop = (-self.position[0], -self.position[1], plane_height - self.height)
 
         def row(axis: Sequence[float]) -> tuple[float, float, float]:
@@ -284,17 +306,6 @@ class PinholeCamera:
         f = self.focal_length
         intrinsics = Homography((f, self.skew, u0, 0.0, f * self.aspect, v0, 0.0, 0.0, 1.0))
         return intrinsics @ Homography((*row(axis_u), *row(axis_v), *row(forward)))
-
-    @property
-    def axes(self) -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]:
-        """Directions on the floor, and up, of the picture's u and v and of the optical axis."""
-        cp, sp = math.cos(self.pan), math.sin(self.pan)
-        ct, st = math.cos(self.tilt), math.sin(self.tilt)
-        cr, sr = math.cos(self.roll), math.sin(self.roll)
-        right, down, forward = (cp, sp, 0.0), (ct * sp, -ct * cp, -st), (-st * sp, st * cp, -ct)
-        axis_u = tuple(cr * r + sr * d for r, d in zip(right, down, strict=True))
-        axis_v = tuple(cr * d - sr * r for r, d in zip(right, down, strict=True))
-        return axis_u, axis_v, forward
 
     def corners(self) -> tuple[tuple[float, float], ...]:
         """Corners of the picture, in order around it.
