@@ -30,8 +30,8 @@ def run(seed: int, start: int, hard: bool) -> dict:
 
     from parkproof.lab.settings import LabSettings
     from parkproof.lab.simulated import run_simulated, shown_goal
-    from parkproof.lab.world.random_world import random_world
     from parkproof.lab.world import World
+    from parkproof.lab.world.random_world import random_world
 
     cv2.setNumThreads(1)
     with World(random_world(seed, start=start, hard=hard)) as world:

@@ -5,7 +5,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import msgspec
 import pytest
 
 from parkproof.cli import main
@@ -14,9 +13,7 @@ from parkproof.lab.loop import LabOutcome, run_lab
 from parkproof.lab.replay import replayed
 from parkproof.lab.settings import LabSettings
 from parkproof.lab.simulated import run_simulated, shown_goal
-from parkproof.lab.world.random_world import random_world
-from parkproof.lab.world.settings import WorldSettings
-from parkproof.lab.world import World
+from parkproof.lab.world import RobotSettings, World, WorldSettings, random_world
 
 SHORT = LabSettings(hold=2.0, duration=60.0)
 
@@ -66,17 +63,8 @@ def test_a_distorting_lens_late_and_dropped_frames_and_unequal_motors_do_not_kee
 
 
 def test_commands_stay_within_the_limits_of_a_weaker_robot():
-    weak = RobotLimits(
-        speed=0.12,
-        turn_rate=0.8,
-        acceleration=0.4,
-        turn_acceleration=3.0,
-        least_speed=0.012,
-        least_turn_rate=0.15,
-    )
-    given = WorldSettings()
-    robot = msgspec.structs.replace(given.robot, limits=weak)
-    with World(msgspec.structs.replace(given, robot=robot)) as world:
+    weak = RobotSettings(speed=0.12, turn_rate=0.8, acceleration=0.4, turn_acceleration=3.0)
+    with World(WorldSettings(robot=weak)) as world:
         judged = run_simulated(world, shown_goal(world), settings=SHORT)
     assert judged.run.outcome is LabOutcome.PARKED
     assert max(abs(sample.v) for sample in judged.run.samples) <= 0.12
@@ -123,7 +111,7 @@ class Silent:
 
 
 def test_a_camera_that_ends_and_a_robot_that_is_silent_end_the_run_with_the_robot_stopped():
-    with World() as world:
+    with World(WorldSettings()) as world:
         goal = shown_goal(world)
         eye, clock = Ends(world, 40), world.clock
         found = run_lab(eye, world.robot, clock, goal, settings=SHORT, realtime=False)
@@ -138,7 +126,7 @@ def test_a_camera_that_ends_and_a_robot_that_is_silent_end_the_run_with_the_robo
 
 
 def test_an_interrupted_run_stops_the_robot_and_keeps_what_there_is():
-    with World() as world:
+    with World(WorldSettings()) as world:
         goal = shown_goal(world)
 
         def watch(_reading, answer) -> None:
