@@ -72,14 +72,15 @@ def parkable(world, goal) -> bool:
     from parkproof.lab.pilot import Arrival
     from parkproof.lab.plan import Task, plan_course
     from parkproof.lab.predict import GoalPose
-    from parkproof.lab.view import ImageView
+    from parkproof.lab.view import ImageView, tag_footprint
     from parkproof.model.image_unicycle import image_of
     from parkproof.model.unicycle import Pose
 
     start = image_of(goal.similarity @ world.to_pixels, Pose(*world.settings.start)).pose
     task = Task(
         view=ImageView(tuple(goal.corners())),
-        margin=0.72,
+        margin=0.0,
+        footprint=tag_footprint(goal.mount, 1.0),
         limits=world.robot.limits,
         side=goal.mount.side,
         bounds=Bounds(alpha=(1.0, 1.0)),

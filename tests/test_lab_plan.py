@@ -9,16 +9,18 @@ from hypothesis import strategies as st
 
 from parkproof.bounds import Bounds
 from parkproof.lab.devices import RobotLimits
+from parkproof.lab.image_pose import TagMount
 from parkproof.lab.pilot import Arrival, Course, Pilot, Pulses
 from parkproof.lab.plan import Task, plan_course
 from parkproof.lab.predict import GoalPose, Motion, advanced
-from parkproof.lab.view import ImageView
+from parkproof.lab.view import ImageView, tag_footprint
 from parkproof.laws.time_scale import scaled_approach, scaled_pair
 
 LIMITS = RobotLimits(speed=0.3, turn_rate=2.5, acceleration=1.0, turn_acceleration=10.0)
 VIEW = ImageView(((-8.0, -6.0), (8.0, -6.0), (8.0, 6.0), (-8.0, 6.0)))
 ARRIVAL = Arrival(0.015, 0.007)
-TASK = Task(VIEW, 0.85, LIMITS, 0.1, Bounds(alpha=(0.8, 1.25)), ARRIVAL, (0.01, 0.01))
+TAG = tag_footprint(TagMount(), 1.0)
+TASK = Task(VIEW, 0.1, TAG, LIMITS, 0.1, Bounds(alpha=(0.8, 1.25)), ARRIVAL, (0.01, 0.01))
 PERIOD = 1 / 30
 
 
@@ -48,7 +50,7 @@ def test_a_course_parks_inside_the_view_at_every_gain_in_its_bounds(start, a):
     run = driven(course, start, a=a)
     assert run[-1][1].parked
     assert math.hypot(*run[-1][0][:2]) <= ARRIVAL.release * ARRIVAL.position
-    assert min(VIEW.clearance(pose.x, pose.y) for pose, _ in run) > 0.8
+    assert min(VIEW.room(TAG, *pose) for pose, _ in run) > 0.05
 
 
 @pytest.mark.parametrize("start", STARTS)
@@ -81,7 +83,7 @@ def test_a_straight_leg_comes_first_where_no_course_begins_at_the_start():
     assert course.stage < 0.0
     run = driven(course, GoalPose(-1.0, 3.5, 1.5), a=1.0)
     assert run[-1][1].parked
-    assert min(narrow.clearance(pose.x, pose.y) for pose, _ in run) > 0.8
+    assert min(narrow.room(TAG, *pose) for pose, _ in run) > 0.05
     assert run[0][1].step == -1
 
 

@@ -22,7 +22,7 @@ COMMANDS = {
     "camera": "Look through a camera, or measure how late it shows what the robot does.",
     "tag": "Make a page with a tag to print, to scale.",
     "teach": "Take the goal from one picture of the parked robot.",
-    "lab": "Park a robot that a camera sees, simulated or real, from its pictures.",
+    "lab": "Park a robot that a camera sees, from its pictures alone.",
     "replay": "Carry out a recorded run of the laboratory again, and compare the commands.",
     "schema": "Print the JSON schema of scenario files or certificates, for editors.",
     "citation": "Print BibTeX for the paper and for this software.",

@@ -89,7 +89,7 @@ def camera(
     angle = math.radians(positive("angle_deg", angle_deg, example=17.0))
 
     if source is None:
-        return _simulated(world, tag_id, as_json, None if not latency else (duration, angle, seed))
+        return _simulated(world, as_json, None if not latency else (duration, angle, seed))
     from parkproof.lab.cameras import open_camera
     from parkproof.lab.devices import WallClock
     from parkproof.lab.robots import open_robot
@@ -107,23 +107,16 @@ def camera(
         eye.close()
 
 
-def _simulated(
-    file: Path | None, tag_id: int, as_json: bool, turning: tuple[float, float, int] | None
-) -> int:
+def _simulated(file: Path | None, as_json: bool, turning: tuple[float, float, int] | None) -> int:
     """The same in a simulated laboratory."""
     from parkproof.extras import require
 
     require("mujoco", extra="lab", purpose="the simulated laboratory")
-    from parkproof.lab.world.settings import WorldSettings
-    from parkproof.lab.world.world import World
+    from parkproof.lab.world import World
+    from parkproof.lab.world.settings import example_world, read_world
 
-    if file is None:
-        settings = WorldSettings()
-    else:
-        from parkproof.lab.world.settings import read_world
-
-        settings = read_world(file)
-    heading = _heading_of(tag_id)
+    settings = example_world() if file is None else read_world(file)
+    heading = _heading_of(settings.robot.tag_id)
     with World(settings) as there:
         if turning is None:
             return _tell(_look(there.camera, there.clock, heading), as_json)

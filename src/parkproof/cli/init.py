@@ -50,6 +50,6 @@ def init(
     from parkproof.cli.files import write_file
 
     write_file(out, text, overwrite=overwrite)
-    command = "design" if kind in SPECIFICATIONS else "park"
+    command = {"design": "design", "world": "lab --world"}.get(kind, "park")
     stdout_console().print(f"Wrote {out}; run it with: parkproof {command} {out}", soft_wrap=True)
     return 0

@@ -222,7 +222,7 @@ def _simulated(
     from parkproof.lab.goal import Goal
     from parkproof.lab.simulated import run_simulated, shown_goal
     from parkproof.lab.world.random_world import random_world
-    from parkproof.lab.world.settings import WorldSettings, read_world
+    from parkproof.lab.world.settings import example_world, read_world
     from parkproof.lab.world.world import World
 
     if world_file is not None:
@@ -230,7 +230,7 @@ def _simulated(
     elif seed is not None or hard:
         given = random_world(seed or 0, start=start, hard=hard)
     else:
-        given = WorldSettings()
+        given = example_world()
     with World(given) as world:
         goal = shown_goal(world)
         if goal_file is not None:

@@ -20,6 +20,7 @@ def teach(
     *,
     image: Path | None = None,
     camera: str | None = None,
+    world: Path | None = None,
     out: Path = Path("goal.json"),
     tag_id: int = 0,
     offset: tuple[float, float] = (0.0, 0.0),
@@ -39,6 +40,9 @@ def teach(
         A picture that the camera took.
     camera : str, optional
         Take one now: a camera's number, an address, or a video.
+    world : Path, optional
+        A file that describes a simulated laboratory; its robot is shown at its goal. How its tag
+        sits on it is known.
     out : Path
         The goal; default goal.json.
     tag_id : int
@@ -80,15 +84,17 @@ def teach(
     from parkproof.lab.tag import TagDetector
     from parkproof.validate import finite
 
-    if (image is None) == (camera is None):
+    if sum(given is not None for given in (image, camera, world)) != 1:
         raise InputError(
-            "teach needs one picture of the parked robot: write either --image FILE or --camera "
-            "SOURCE"
+            "teach needs one picture of the parked robot: write one of --image FILE, --camera "
+            "SOURCE and --world WORLD.toml"
         )
     angle = math.radians(finite("angle_deg", angle_deg))
     mount = TagMount(tag_id=tag_id, offset=offset, angle=angle, side=side)
     check_target(out, overwrite=overwrite)
-    if image is not None:
+    if world is not None:
+        goal = _from_world(world)
+    elif image is not None:
         from parkproof.lab.devices import Frame
         from parkproof.lab.teach import read_picture
         from parkproof.lab.teach import teach as take
@@ -103,6 +109,16 @@ def teach(
     console.print(facts_table(_facts(goal)))
     console.print(f"Wrote {out}; the camera must stay as it is.", soft_wrap=True)
     return 0
+
+
+def _from_world(file: Path) -> "Goal":
+    """The goal that a simulated laboratory shows."""
+    from parkproof.lab.simulated import shown_goal
+    from parkproof.lab.world import World
+    from parkproof.lab.world.settings import read_world
+
+    with World(read_world(file)) as there:
+        return shown_goal(there)
 
 
 def _from_camera(camera: "Camera", detector: "TagDetector", mount: "TagMount") -> "Goal":

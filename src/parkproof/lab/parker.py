@@ -23,13 +23,14 @@ from parkproof.lab.predict import CommandHistory, GoalPose
 from parkproof.lab.safety import Alarm, Guard, SafetyLimits
 from parkproof.lab.settings import LabSettings
 from parkproof.lab.tag import Detection, TagDetector, Unseen
-from parkproof.lab.view import ImageView
+from parkproof.lab.view import ImageView, tag_footprint
+from parkproof.model.homography import Homography
 
 ROOM = 0.12
 """How far the tag stays inside the border in a course, in goal units."""
 
 TRIED = ((1.0, ROOM, False), (0.2, ROOM, False), (0.0, 0.02, True))
-"""Shares of the motors' error, room at the border, and whether to search thoroughly, for the
+"""Shares of the gains' uncertainty, room at the border, and whether to search thoroughly, for the
 courses that are tried in turn."""
 
 TOLERANCE = 0.6
@@ -156,12 +157,11 @@ class Parker:
         self._history = CommandHistory()
         self._estimator = Estimator(delay=self._settings.delay)
         self._view = ImageView(tuple(goal.corners()))
-        x, y = goal.mount.offset
-        self._reach = max(math.hypot(x - i, y - j) for i in (-0.5, 0.5) for j in (-0.5, 0.5))
-        self._guard = Guard(
-            self._safety, limits, self._view, reach=self._reach, side=goal.mount.side
-        )
+        self._guard = Guard(self._safety, limits, self._view, mount=goal.mount)
         self._arrival = Arrival(self._settings.position_px / goal.unit, self._settings.heading)
+        at_goal = image_pose(Homography(goal.homography), goal.mount)
+        self._gains = at_goal.a_min / goal.unit, at_goal.a_max / goal.unit
+        self._scale = 1.0
         self._pulses = Pulses(limits.least_speed), Pulses(limits.least_turn_rate)
         self._now = _Memory()
 
@@ -241,6 +241,9 @@ class Parker:
             return None, None, Alarm.TWO_TAGS if found is Unseen.TWICE else Alarm.TAG_LOST
         shown = image_pose(found.homography, goal.mount)
         memory.near = shown
+        low, high = self._gains
+        self._scale = shown.a_max / goal.unit
+        self._gains = min(low, shown.a_min / goal.unit), max(high, shown.a_max / goal.unit)
         pose, a, beta = goal.to_image(shown)
         seen = Sighting(
             reading.t - self._settings.stamp_delay, GoalPose(*pose), a / goal.mount.side, beta
@@ -287,7 +290,7 @@ class Parker:
         if asked.step != memory.step and asked.step >= 0:
             self._tell(now, "step", f"step: {STEP_NAMES[asked.step]}")
         memory.step = asked.step
-        if alarm := self._guard.of_motion(estimate, asked.v):
+        if alarm := self._guard.of_motion(estimate, asked.v, asked.omega, scale=self._scale):
             self._stop(alarm, now)
             return limited(0.0, 0.0, *memory.sent, dt, self._limits)
         if asked.parked != (memory.phase is Phase.PARKED):
@@ -317,7 +320,7 @@ class Parker:
         memory.course, memory.phase, memory.alarm = course, Phase.DRIVING, None
         memory.pilot = Pilot(
             course,
-            self._bounds(self._settings.motor_error),
+            self._bounds(self._settings.motor_error, 1.0),
             self._limits,
             side=goal.mount.side,
             period=1.0 / self._settings.rate,
@@ -335,16 +338,16 @@ class Parker:
         What then is not as foreseen, the guard at the border notices: it stops the robot, and
         another course is chosen from there.
         """
-        local = self._reach * max(1.0, estimate.a * self._goal.mount.side)
-        clearance = self._view.clearance(estimate.pose.x, estimate.pose.y)
+        footprint = tag_footprint(self._goal.mount, self._gains[1])
         error = self._settings.motor_error if first else 0.5 * self._settings.motor_error
         for share, room, thorough in TRIED:
             task = Task(
                 view=self._view,
-                margin=min(local + room, clearance),
+                margin=room,
+                footprint=footprint,
                 limits=self._limits,
                 side=self._goal.mount.side,
-                bounds=self._bounds(share * error),
+                bounds=self._bounds(error, share),
                 arrival=self._arrival,
                 tolerance=(TOLERANCE * self._arrival.position,) * 2,
                 law=self._settings.law,
@@ -356,10 +359,19 @@ class Parker:
                 return course
         return None
 
-    def _bounds(self, error: float) -> Bounds:
-        """Bounds of a, in goal units per tag side, with the motors' error."""
-        low, high = 1.0 - error, 1.0 + error
-        return Bounds(alpha=(low, high))
+    def _bounds(self, error: float, share: float) -> Bounds:
+        """Bounds of a in goal units per tag side, from frames seen, with the motors' error.
+
+        Parameters
+        ----------
+        error : float
+            Of the motors.
+        share : float
+            Of the whole uncertainty that is allowed for; with 0 only its middle is.
+        """
+        low, high = self._gains[0] * (1.0 - error), self._gains[1] * (1.0 + error)
+        middle = 0.5 * (self._gains[0] + self._gains[1])
+        return Bounds(alpha=(middle - share * (middle - low), middle + share * (high - middle)))
 
     def _stop(self, alarm: Alarm, now: float) -> None:
         """Slow down, and say why."""

@@ -17,7 +17,7 @@ from parkproof.bounds import Bounds
 from parkproof.lab.devices import RobotLimits
 from parkproof.lab.pilot import HOLD, Arrival, Course, Pilot
 from parkproof.lab.predict import GoalPose, Motion, advanced
-from parkproof.lab.view import ImageView
+from parkproof.lab.view import ImageView, Point
 from parkproof.laws.gains import Gains, Switching
 from parkproof.laws.time_scale import scaled_approach, scaled_pair
 
@@ -59,7 +59,9 @@ class Task:
     view : ImageView
         What the camera sees.
     margin : float
-        How far inside the border the axle's middle must stay, in goal units.
+        How far inside the border the tag must stay, in goal units.
+    footprint : tuple of points
+        Corners of the tag, as `parkproof.lab.view.tag_footprint` gives them.
     limits : RobotLimits
         What the robot can do.
     side : float
@@ -80,6 +82,7 @@ class Task:
 
     view: ImageView
     margin: float
+    footprint: tuple[Point, ...]
     limits: RobotLimits
     side: float
     bounds: Bounds
@@ -110,12 +113,14 @@ def plan_course(task: Task, start: GoalPose, motion: Motion | None = None) -> Co
     Examples
     --------
     >>> limits = RobotLimits(speed=0.3, turn_rate=2.0, acceleration=1.0, turn_acceleration=8.0)
-    >>> task = Task(ImageView(((-8, -6), (8, -6), (8, 6), (-8, 6))), 1.0, limits, 0.1,
+    >>> task = Task(ImageView(((-8, -6), (8, -6), (8, 6), (-8, 6))), 0.1,
+    ...             ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)), limits, 0.1,
     ...             Bounds(alpha=(0.8, 1.25)), Arrival(0.02, 0.01), (0.01, 0.01))
     >>> course = plan_course(task, GoalPose(-3.0, 1.0, 0.2))
     >>> course.time < 15.0
     True
-    >>> plan_course(task, GoalPose(-7.9, 5.9, 0.2)) is None
+    >>> narrow = ImageView(((-1.2, -1.2), (1.2, -1.2), (1.2, 1.2), (-1.2, 1.2)))
+    >>> plan_course(replace(task, view=narrow), GoalPose(-0.2, 0.3, 1.5)) is None
     True
     """
     motion = motion or Motion()
@@ -193,7 +198,7 @@ def _time(
         period=PERIOD,
         arrival=task.arrival,
     )
-    room = task.view.clearance(pose.x, pose.y) - task.margin
+    room = task.view.room(task.footprint, *pose) - task.margin
     t, turned = 0.0, False
     while t < longest:
         asked = pilot.step(t, PERIOD, pose, beta=1.0, motion=motion)
@@ -207,7 +212,7 @@ def _time(
         v = motion.speed * asked.v
         turn = motion.turn * asked.omega + motion.skew * asked.v
         pose = advanced(pose, PERIOD, a * v / task.side, turn)
-        clearance = task.view.clearance(pose.x, pose.y) - task.margin
+        clearance = task.view.room(task.footprint, *pose) - task.margin
         if clearance < min(0.0, room) - 1e-9:
             return None
         room = max(room, min(0.0, clearance))

@@ -6,9 +6,13 @@ from dataclasses import dataclass
 
 from parkproof.lab.devices import Frame, RobotLimits
 from parkproof.lab.estimate import Estimate, Sighting
-from parkproof.lab.predict import GoalPose
-from parkproof.lab.view import ImageView
+from parkproof.lab.image_pose import TagMount
+from parkproof.lab.predict import advanced
+from parkproof.lab.view import ImageView, tag_footprint
 from parkproof.model.unicycle import wrap_angle
+
+REACTION = 0.1
+"""Time in s until braking begins, for the guard at the border."""
 
 
 class Alarm(enum.Enum):
@@ -101,10 +105,8 @@ class Guard:
         What the robot can do.
     view : ImageView
         What the camera sees.
-    reach : float
-        How far the tag reaches from the axle's middle, in sides of the tag.
-    side : float
-        Side of the tag in m.
+    mount : TagMount
+        How the tag sits on the robot.
     """
 
     def __init__(
@@ -113,11 +115,10 @@ class Guard:
         limits: RobotLimits,
         view: ImageView,
         *,
-        reach: float,
-        side: float,
+        mount: TagMount,
     ) -> None:
         self._safety, self._limits, self._view = safety, limits, view
-        self._reach, self._side = reach, side
+        self._mount = mount
         self._last_stamp = -math.inf
         self._accepted: Sighting | None = None
         self._strange: list[Sighting] = []
@@ -180,52 +181,37 @@ class Guard:
             and turned <= safety.surplus * beta * limits.turn_rate * dt + safety.slack_heading
         )
 
-    def of_motion(self, estimate: Estimate, v: float) -> Alarm | None:
-        """Whether the robot would leave the view if it braked from now on.
+    def of_motion(
+        self, estimate: Estimate, v: float, omega: float, *, scale: float
+    ) -> Alarm | None:
+        """Whether the tag would leave the view if the robot braked from now on.
 
         Parameters
         ----------
         estimate : Estimate
             Where it is, and will be.
-        v : float
-            Speed that it is about to be sent, in m/s.
+        v, omega : float
+            What it is about to be sent, in m/s and rad/s.
+        scale : float
+            Greatest length in goal units that a side of the tag has there, in any direction.
 
         Returns
         -------
         Alarm or None
-            None if it can stop inside the view, or drives away from the border.
+            None if it can stop inside the view, or comes away from the border.
         """
-        speed = estimate.motion.speed * abs(v)
-        way = estimate.a * speed * (speed / (2.0 * self._limits.acceleration) + 0.1)
-        ahead = stopped_at(estimate.ahead, math.copysign(way, v))
-        here = self._view.clearance(estimate.ahead.x, estimate.ahead.y)
-        there = self._view.clearance(ahead.x, ahead.y)
-        needed = self._reach * max(1.0, estimate.a * self._side)
-        if there < needed and there < here - 1e-3 and speed > 0.02 * self._limits.speed:
-            return Alarm.BORDER
+        limits, motion = self._limits, estimate.motion
+        speed, turn = motion.speed * v, motion.turn * omega + motion.skew * v
+        footprint = tag_footprint(self._mount, scale)
+        here = self._view.room(footprint, *estimate.ahead)
+        for share in (0.5, 1.0):  # it may come nearer on the way than where it rests
+            end = advanced(
+                estimate.ahead,
+                share,
+                estimate.a * speed * (abs(speed) / (2.0 * limits.acceleration) + REACTION),
+                estimate.beta * turn * (abs(turn) / (2.0 * limits.turn_acceleration) + REACTION),
+            )
+            there = self._view.room(footprint, *end)
+            if there < 0.0 and there < here - 1e-3:
+                return Alarm.BORDER
         return None
-
-
-def stopped_at(pose: GoalPose, way: float) -> GoalPose:
-    """Where a robot comes to rest that drives straight on.
-
-    Parameters
-    ----------
-    pose : GoalPose
-        Where it is.
-    way : float
-        How far it drives, in goal units, negative backwards.
-
-    Returns
-    -------
-    GoalPose
-        Where it comes to.
-
-    Examples
-    --------
-    >>> stopped_at(GoalPose(1.0, 2.0, 0.0), -0.5)
-    GoalPose(x=0.5, y=2.0, theta=0.0)
-    """
-    return GoalPose(
-        pose.x + way * math.cos(pose.theta), pose.y + way * math.sin(pose.theta), pose.theta
-    )

@@ -1,6 +1,7 @@
 """Everything that a simulated world is made of: camera, robot, pushes, floor, poses, seed."""
 
 import math
+import tomllib
 from pathlib import Path
 
 import msgspec
@@ -13,6 +14,7 @@ from parkproof.lab.world.lens import Lens
 from parkproof.model.camera import PinholeCamera
 from parkproof.model.homography import numbers
 from parkproof.scenario_file.read import converted
+from parkproof.scenario_file.templates import template
 from parkproof.scenario_file.toml import load_toml
 from parkproof.validate import finite, not_negative, positive
 
@@ -495,3 +497,19 @@ def read_world(path: Path) -> WorldSettings:
     """
     path = Path(path)
     return converted(load_toml(path), WorldSettings, str(path))
+
+
+def example_world() -> WorldSettings:
+    """The simulated laboratory of `parkproof init --kind world`: a tilted camera, unequal wheels.
+
+    Returns
+    -------
+    WorldSettings
+        What parkproof lab uses where it is told nothing else.
+
+    Examples
+    --------
+    >>> example_world().camera.tilt_deg
+    27.0
+    """
+    return converted(tomllib.loads(template("world")), WorldSettings, "world.toml")

@@ -17,8 +17,9 @@ TEMPLATES = {
 
 SPECIFICATIONS = {
     "design": "no scenario, but what parkproof design is to find gains for",
+    "world": "no scenario, but the simulated laboratory of parkproof lab",
 }
-"""Kinds of specifications, each with a line on what it is."""
+"""Kinds of other files, each with a line on what it is."""
 
 
 def template(kind: str) -> str:
