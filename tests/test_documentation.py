@@ -162,7 +162,7 @@ def test_tests_and_files_that_a_page_names_exist(page: Path) -> None:
         assert name in names_in(ROOT / "tests" / file), f"{file}::{name}"
     for name in re.findall(r"`([\w/]+\.(?:py|pyi|md|json|toml))`", text):
         places = (ROOT, SOURCE, ROOT / "tests", ROOT / "docs")
-        made = {"summary.json", "scenario.toml", "gains.toml", "certificate.json"}
+        made = {"summary.json", "scenario.toml", "gains.toml", "certificate.json", "goal.json"}
         assert name in made or any((place / name).exists() for place in places), name
 
 
@@ -352,7 +352,11 @@ def tracked_files() -> Iterator[Path]:
     yield from (path for path in ROOT.iterdir() if path.is_file())
     for folder in ("src", "tests", "docs", "benchmarks", ".ci"):
         for path in (ROOT / folder).rglob("*"):
-            if path.is_file() and "__pycache__" not in path.parts and path.suffix != ".png":
+            if (
+                path.is_file()
+                and "__pycache__" not in path.parts
+                and path.suffix not in {".png", ".jpg"}
+            ):
                 yield path
 
 
