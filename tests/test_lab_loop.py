@@ -1,8 +1,10 @@
 """Whole runs in the simulated laboratory: from pixels to parked."""
 
 import json
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -140,6 +142,24 @@ def test_an_interrupted_run_stops_the_robot_and_keeps_what_there_is():
         assert found.outcome is LabOutcome.INTERRUPTED
         assert len(found.samples) > 10
         assert world.truth()[6:8] == (0.0, 0.0)
+
+
+def test_ctrl_c_keeps_what_there_is_of_a_run_and_says_so(tmp_path):
+    process = subprocess.Popen(
+        [sys.executable, "-m", "parkproof", "lab", "--out", "out", "--set", "hold=500", "--set",
+         "duration=1000", "--no-video"],
+        cwd=tmp_path, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    deadline = time.monotonic() + 60.0
+    while not list(tmp_path.glob(".out.new-*/run.mcap")) and time.monotonic() < deadline:
+        time.sleep(0.1)
+    time.sleep(1.0)
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "Traceback" not in said
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["outcome"] == "interrupted"
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,9 @@ if TYPE_CHECKING:
     from parkproof.lab.settings import LabSettings
     from parkproof.lab.simulated import Judged
 
+INTERRUPTED = 130
+"""Exit status after Ctrl-C; what there is of the run is kept."""
+
 
 def lab(
     *,
@@ -106,6 +109,8 @@ def lab(
         console = stdout_console()
         _print(console, summary)
         print_files(console, directory, names)
+    if summary["outcome"] == "interrupted":
+        return INTERRUPTED
     return 1 if check and summary["outcome"] != "parked" else 0
 
 
@@ -254,7 +259,7 @@ def _real(making: _Making, goal_file: Path, source: str, address: str) -> dict[s
     from parkproof.lab.robots import open_robot
 
     goal = Goal.read(goal_file)
-    camera = open_camera(source, rate=making.settings.rate)
+    camera = open_camera(source, rate=making.settings.rate, paced=True)
     try:
         robot = open_robot(address)
 
