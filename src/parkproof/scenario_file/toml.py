@@ -61,7 +61,8 @@ def load_toml(path: Path, *, kind: str = "") -> dict[str, Any]:
             f"{path}: a number is too long or lists are nested too deeply; write plain numbers"
         ) from error
     if not data:
-        raise InputError(f"{path}: the file is empty; for a file to start from, run: {begin}")
+        what = "specification" if kind else "scenario"
+        raise InputError(f"{path}: the file is empty; for a {what} to start from, run: {begin}")
     return data
 
 
