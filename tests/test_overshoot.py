@@ -1,4 +1,4 @@
-"""The return: x0 stays on its side of 0 where the gains prove it, and only there."""
+"""The return: where the gains prove that x0 does not pass 0 on its way, and only there."""
 
 import numpy as np
 import pytest
