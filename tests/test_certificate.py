@@ -325,6 +325,16 @@ def test_a_file_that_was_changed_is_refused(certificate, spoil, tmp_path, capsys
     assert capsys.readouterr().err.count("\n") == 1
 
 
+def test_a_digit_changed_anywhere_is_refused(certificate):
+    text = json.dumps(certificate)
+    places = [i for i, letter in enumerate(text) if letter.isdigit()]
+    assert len(places) > 300
+    for i in places:
+        other = str((int(text[i]) + 1) % 10)
+        with pytest.raises(NotACertificateError):
+            read(text[:i] + other + text[i + 1 :])
+
+
 @pytest.mark.parametrize(
     ("section", "key"), [("claim", "total_time"), ("law", "l"), ("lyapunov", "hold")]
 )

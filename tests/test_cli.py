@@ -236,9 +236,26 @@ def test_check_takes_gains_of_a_design_with_their_range_of_b2(homogeneous, capsy
     inequality = json.loads(said(capsys, "check", "gains.toml", "--json"))["step2"]
     assert inequality["matrix_inequality"]["b2"] == [1.0, 1.01]
     assert inequality["matrix_inequality"]["b1"] == pytest.approx([0.45, 1.65])
+    # and so of a scenario's
+    given = ["check", homogeneous, "--set", "bounds.b2=[0.1,3]", "--json", "--check"]
+    inequality = json.loads(said(capsys, *given, status=1))["step2"]["matrix_inequality"]
+    assert inequality["b2"] == [0.1, 3.0]
+    assert not inequality["holds"]
     Path("spec.toml").write_text("[bounds]\n[design]\n")
     assert main(["check", "spec.toml"]) == 2
     assert "no [gains] to check" in capsys.readouterr().err
+
+
+def test_check_does_not_judge_a_b2_that_the_papers_conditions_leave_out(tmp_path, capsys):
+    path = tmp_path / "gains.toml"
+    path.write_text(
+        '[bounds]\nalpha = [0.5, 1.5]\n[gains]\nq1 = "13/15"\nl = [0.79, 5.1, 206.0]\n'
+        'q2 = "7/9"\nk = [1.0, 80.0]\n[weights]\nk = [3.2, 451.0]\nk_step3 = 12.0\n'
+    )
+    assert json.loads(said(capsys, "check", path, "--json"))["holds"]["step2"] is True
+    other = ["check", path, "--set", "bounds.b2=[0.8,1.25]"]
+    assert "not judged: (15)-(17) are about b2 = 1" in words(said(capsys, *other))
+    assert json.loads(said(capsys, *other, "--json", "--check", status=1))["holds"]["step2"] is None
 
 
 @pytest.mark.parametrize("form", ["printed", "sharp"])

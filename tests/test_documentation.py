@@ -349,7 +349,8 @@ def test_no_module_is_long() -> None:
 
 def tracked_files() -> Iterator[Path]:
     """Files of the repository, without what tools leave behind."""
-    yield from (path for path in ROOT.iterdir() if path.is_file())
+    # in a linked working tree .git is a file, which says where the repository is
+    yield from (path for path in ROOT.iterdir() if path.is_file() and path.name != ".git")
     for folder in ("src", "tests", "docs", "benchmarks", ".ci"):
         for path in (ROOT / folder).rglob("*"):
             if (

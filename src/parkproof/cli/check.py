@@ -29,6 +29,10 @@ _OTHER_LAW = (
     "stands the matrix inequality, proved in exact rationals. The weight k~2 belongs to the proof "
     "alone."
 )
+_ONLY_B2_1 = (
+    "(15)-(17) are about b2 = 1, and say nothing of b2 in [{:g}, {:g}], which parkproof certify "
+    "takes in"
+)
 _WORDS = {"printed": "as printed", "sharp": "in the sharp form", "untuned": "in the untuned form"}
 
 
@@ -77,14 +81,16 @@ def check(
     """
     from parkproof.cli.conditions_table import all_hold
 
-    given, b2 = _read(gains, settings or ())
+    given = _read(gains, settings or ())
     step2, step3 = _evaluate(given)
     own, missing = None, ""
     if given.law == "homogeneous":
         step2 = {}
-        own, missing = _judged(given, b2, must=check_holds)
+        own, missing = _judged(given, must=check_holds)
+    elif given.bounds.b2 != (1.0, 1.0):
+        missing = _ONLY_B2_1.format(*given.bounds.b2)
     proved = [
-        bool(own and own.holds) or any(map(all_hold, step2.values())),
+        bool(own and own.holds) or (not missing and any(map(all_hold, step2.values()))),
         any(map(all_hold, step3.values())),
     ]
     if as_json:
@@ -99,8 +105,8 @@ def check(
     return 1 if check_holds and not all(proved) else 0
 
 
-def _read(path: Path, settings: Sequence[str]) -> tuple["GainsFile", tuple[float, float]]:
-    """Gains from a scenario, a file of gains, or a specification, with the range of b2."""
+def _read(path: Path, settings: Sequence[str]) -> "GainsFile":
+    """Gains from a scenario, a file of gains, or a specification."""
     from msgspec.structs import replace
 
     from parkproof.errors import InputError
@@ -109,10 +115,8 @@ def _read(path: Path, settings: Sequence[str]) -> tuple["GainsFile", tuple[float
     from parkproof.spec import read_spec
 
     data = load_toml(path)
-    bounds = data.get("bounds")
-    specified = {"starts", "design"} & set(data) or (isinstance(bounds, dict) and "b2" in bounds)
-    if "start" in data or not specified:
-        return read_gains_file(path, overrides=settings), (1.0, 1.0)
+    if "start" in data or not {"starts", "limits", "design"} & set(data):
+        return read_gains_file(path, overrides=settings)
     spec = read_spec(path, overrides=settings)
     if spec.gains is None:
         raise InputError(
@@ -122,12 +126,10 @@ def _read(path: Path, settings: Sequence[str]) -> tuple["GainsFile", tuple[float
     given = GainsFile(bounds=spec.bounds, gains=spec.gains, law=spec.law, title=spec.title)
     if spec.switching is not None:
         given = replace(given, switching=spec.switching)
-    return given, spec.bounds.b2
+    return given
 
 
-def _judged(
-    given: "GainsFile", b2: tuple[float, float], *, must: bool
-) -> tuple["HomogeneousConditions | None", str]:
+def _judged(given: "GainsFile", *, must: bool) -> tuple["HomogeneousConditions | None", str]:
     """Step 2 of the homogeneous law, or the sentence why it cannot be judged here."""
     from parkproof.errors import InputError
     from parkproof.extras import require
@@ -140,7 +142,7 @@ def _judged(
             raise
         return None, str(error)
     tolerance = given.switching.tolerance[0]
-    return homogeneous_conditions(given.gains, given.bounds, tolerance=tolerance, b2=b2), ""
+    return homogeneous_conditions(given.gains, given.bounds, tolerance=tolerance), ""
 
 
 def _data(

@@ -55,7 +55,7 @@ class HomogeneousConditions:
 
 
 def homogeneous_conditions(
-    gains: Gains, bounds: Bounds, *, tolerance: float, b2: Interval = (1.0, 1.0)
+    gains: Gains, bounds: Bounds, *, tolerance: float
 ) -> HomogeneousConditions:
     """Judge the homogeneous law's gains of Step 2 for what the controller may know.
 
@@ -67,8 +67,6 @@ def homogeneous_conditions(
         What the controller may know.
     tolerance : float
         At which Step 1 ends: b1 = α2·|u0|, and |u0| is that close to the run-up speed.
-    b2 : pair of floats
-        Range of b2.
 
     Returns
     -------
@@ -102,7 +100,7 @@ def homogeneous_conditions(
             f"tolerance[0] = {tolerance:g}: must be below runup_speed = {gains.runup_speed:g}, or "
             f"Step 2 may begin at rest; write for example {0.1 * gains.runup_speed:g}"
         )
-    low, high = bounds.alpha_of(1)
+    (low, high), b2 = bounds.alpha_of(1), bounds.b2
     b1, gamma, phi = (low * slow, high * fast), bounds.gamma_of(1), bounds.disturbance_of(1)
     found = proven_rate(ellipsoid, feedback, b1=b1, b2=b2, gamma=gamma, disturbance=phi)
     rate, rho = (None, None) if found is None else found

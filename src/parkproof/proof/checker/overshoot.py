@@ -1,4 +1,4 @@
-"""On which side of 0 the first state of a chain of two stays.
+"""Whether the first state of a chain of two comes back to 0 without passing it.
 
 ẋ = b·u with 0 < b ≤ b^max, u̇ = τ̃ under the paper's law, with y = ⌈u⌋^(1/q), ξ = y + K1·x and, by
 Theorem 1, −sign(ξ)·u̇ ≥ k̃3·|ξ|^(2q−1).
@@ -22,7 +22,7 @@ from parkproof.proof.checker.links import Interval
 
 
 def never_passes_zero(chain: Chain, highest: arb) -> bool:
-    """Whether the law of a chain of two is proved to take its first state to 0 from one side.
+    """Whether from u ≥ 0 on, x ≥ min(x(0), 0) is proved of a chain of two, and its mirror image.
 
     Parameters
     ----------

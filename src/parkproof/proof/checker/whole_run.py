@@ -8,7 +8,8 @@ the latest, when its Lyapunov function has fallen to a level inside its toleranc
 2. Approach: b1 = α2|u0| stays in a range, V of (s·x1, x2, u1) falls, x0 moves in direction s.
 3. Return and 4. hold: V of (x0, u0) falls, V of (x2, u1) falls, to 0. x1 drifts by at most
    α2^max·sup|u0|·∫|x2| dt, which must leave it inside the hysteresis, or the law would go back.
-   x0 stays on its side of 0 where `parkproof.proof.checker.overshoot` proves it.
+   Begun with u0 ≥ 0, x0 stays above the lesser of its start and 0, with u0 ≤ 0 below the greater,
+   where `parkproof.proof.checker.overshoot` proves it.
 
 The turn before them is in `parkproof.proof.checker.starts`.
 """
