@@ -114,6 +114,8 @@ def _simulated(
     from parkproof.extras import require
 
     require("mujoco", extra="lab", purpose="the simulated laboratory")
+    from parkproof.errors import InputError
+    from parkproof.lab.world.accelerated import WorldAcceleratedRobot
     from parkproof.lab.world.settings import WorldSettings
     from parkproof.lab.world.world import World
 
@@ -127,6 +129,11 @@ def _simulated(
     with World(settings) as there:
         if turning is None:
             return _tell(_look(there.camera, there.clock, heading), as_json)
+        if isinstance(there.robot, WorldAcceleratedRobot):
+            raise InputError(
+                f'{file}: commanded_by = "torque": the latency is measured with a robot that takes '
+                'velocities; write commanded_by = "velocity"'
+            )
         return _measure(there.robot, there.camera, there.clock, heading, turning, as_json)
 
 

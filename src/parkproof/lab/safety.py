@@ -180,7 +180,7 @@ class Guard:
             and turned <= safety.surplus * beta * limits.turn_rate * dt + safety.slack_heading
         )
 
-    def of_motion(self, estimate: Estimate, v: float) -> Alarm | None:
+    def of_motion(self, estimate: Estimate, v: float, *, slow: float = 0.02) -> Alarm | None:
         """Whether the robot would leave the view if it braked from now on.
 
         Parameters
@@ -189,6 +189,8 @@ class Guard:
             Where it is, and will be.
         v : float
             Speed that it is about to be sent, in m/s.
+        slow : float
+            Share of the limit of speed below which it is taken to stand.
 
         Returns
         -------
@@ -201,7 +203,7 @@ class Guard:
         here = self._view.clearance(estimate.ahead.x, estimate.ahead.y)
         there = self._view.clearance(ahead.x, ahead.y)
         needed = self._reach * max(1.0, estimate.a * self._side)
-        if there < needed and there < here - 1e-3 and speed > 0.02 * self._limits.speed:
+        if there < needed and there < here - 1e-3 and speed > slow * self._limits.speed:
             return Alarm.BORDER
         return None
 
