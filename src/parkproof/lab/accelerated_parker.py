@@ -13,8 +13,8 @@ from parkproof.lab.pilot import Course
 from parkproof.lab.safety import SafetyLimits
 from parkproof.lab.settings import CommandedBy, LabSettings
 
-STANDING = 0.02
-"""Shares of the limits of speed below which a robot that brakes is taken to stand."""
+STANDING, STANDING_TURN = 0.01, 0.1
+"""Speed in m/s and turn rate in rad/s below which a robot that brakes is taken to stand."""
 
 QUICKEST = 0.6
 """Largest time scale of Step 2: what the latency leaves of the paper's pace."""
@@ -81,13 +81,10 @@ class AcceleratedParker(Parker):
         return 0.0, 0.0
 
     def _stands(self, estimate: Estimate) -> bool:
-        limits = self._limits
-        speed = abs(estimate.v) / estimate.a
-        turn = abs(estimate.omega) / estimate.beta
         return (
             self._thrust is None
-            and speed <= STANDING * limits.speed + 0.005
-            and turn <= STANDING * limits.turn_rate + 0.05
+            and abs(estimate.v) <= STANDING * estimate.a
+            and abs(estimate.omega) <= STANDING_TURN * estimate.beta
         )
 
     def _drive(self, estimate: Estimate, now: float, dt: float) -> tuple[float, float]:

@@ -25,7 +25,7 @@ STRAIGHT = 2.0
 SLOW = 0.05
 """Share of the limits of speed below which a robot may rest."""
 
-HEADROOM = 0.85
+HEADROOM = 0.8
 """Share of the limits of speed that is used: the rest is for what is not foreseen."""
 
 
@@ -137,16 +137,30 @@ class AcceleratedPilot:
 
     def _cut(self, v_dot: float, omega_dot: float, moving: Moving, step: int) -> Thrust:
         """What may be sent of an acceleration, whatever is asked."""
-        v, omega, along, turning = moving
+        wanted = limited_acceleration(
+            v_dot, omega_dot, moving.v, moving.omega, self._period, self._limits, share=HEADROOM
+        )
+        along, turning = moving.along, moving.turning
         even = along.own * turning.own - along.cross * turning.cross
-        v_dot, omega_dot = (
-            (turning.own * v_dot - along.cross * omega_dot) / even,
-            (along.own * omega_dot - turning.cross * v_dot) / even,
+        first, _ = self._within(
+            (turning.own * wanted[0] - along.cross * wanted[1]) / even, 0.0, moving
         )
-        sent = limited_acceleration(
-            v_dot, omega_dot, v, omega, self._period, self._limits, gain=self._most, share=HEADROOM
-        )
+        # what the motors then make of it beside is taken off, not what they would of more
+        sent = self._within(first, (wanted[1] - turning.cross * first) / turning.own, moving)
         return Thrust(*sent, step, False)
+
+    def _within(self, v_dot: float, omega_dot: float, moving: Moving) -> tuple[float, float]:
+        """What may be sent, with motors that give more than they are told."""
+        return limited_acceleration(
+            v_dot,
+            omega_dot,
+            moving.v,
+            moving.omega,
+            self._period,
+            self._limits,
+            gain=self._most,
+            share=HEADROOM,
+        )
 
     def _resting(self, step: int, pose: GoalPose, v: float, omega: float) -> bool:
         """Whether the robot is parked, with hysteresis."""

@@ -151,7 +151,7 @@ class AcceleratedEstimator(Estimator):
     ...     x = 0.5 * max(0.0, t - 0.05) ** 2  # 10 units per m, at 0.1 m/s²
     ...     seen = Sighting(t, GoalPose(x, 0.0, 0.0), a=10.0, beta=1.0)
     ...     found = estimator.update(seen, history, now=t + 0.1)
-    >>> round(found.speeds[0], 3)
+    >>> round(found.moving.v, 2)
     0.11
     """
 

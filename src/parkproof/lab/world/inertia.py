@@ -33,7 +33,7 @@ def body_box(robot: RobotSettings) -> tuple[float, float, float]:
     Examples
     --------
     >>> [round(x, 4) for x in body_box(RobotSettings())]
-    [-0.1125, 0.075, 0.0627]
+    [-0.1125, 0.075, 0.0628]
     """
     return -0.75 * robot.track, 0.5 * robot.track, 0.5 * robot.track - 0.35 * robot.wheel_radius
 
@@ -58,7 +58,7 @@ def nominal_drive(robot: RobotSettings) -> DifferentialDrive:
     --------
     >>> drive = nominal_drive(RobotSettings())
     >>> round(drive.mass, 2), round(drive.inertia, 4)
-    (2.37, 0.0138)
+    (2.37, 0.0134)
     """
     half_track = 0.5 * robot.track
     back, front, half_width = body_box(robot)
