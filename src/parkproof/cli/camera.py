@@ -112,7 +112,9 @@ def _simulated(file: Path | None, as_json: bool, turning: tuple[float, float, in
     from parkproof.extras import require
 
     require("mujoco", extra="lab", purpose="the simulated laboratory")
+    from parkproof.errors import InputError
     from parkproof.lab.world import World
+    from parkproof.lab.world.accelerated import WorldAcceleratedRobot
     from parkproof.lab.world.settings import example_world, read_world
 
     settings = example_world() if file is None else read_world(file)
@@ -120,6 +122,11 @@ def _simulated(file: Path | None, as_json: bool, turning: tuple[float, float, in
     with World(settings) as there:
         if turning is None:
             return _tell(_look(there.camera, there.clock, heading), as_json)
+        if isinstance(there.robot, WorldAcceleratedRobot):
+            raise InputError(
+                f'{file}: commanded_by = "torque": the latency is measured with a robot that takes '
+                'velocities; write commanded_by = "velocity"'
+            )
         return _measure(there.robot, there.camera, there.clock, heading, turning, as_json)
 
 

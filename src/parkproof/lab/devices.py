@@ -7,7 +7,7 @@ are seconds on one clock: the time of capture of a frame is on the clock that `C
 import enum
 import time
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import msgspec
 import numpy as np
@@ -134,6 +134,33 @@ class Robot(Protocol):
 
     def stop(self) -> None:
         """Stand still. Must not raise, and may be called twice."""
+
+    def close(self) -> None:
+        """Stop, and give the robot back. May be called twice."""
+
+
+@runtime_checkable
+class AcceleratedRobot(Protocol):
+    """Carries out accelerations: a mobile base whose motors are commanded by torque.
+
+    From the accelerations it makes torques of its wheels, with what its maker knows of its inertia
+    (`parkproof.model.drive.DifferentialDrive`). Errors of the motors, friction and slopes are for
+    the law to overcome. It needs no encoders: its speeds are estimated from the pictures.
+    """
+
+    @property
+    def limits(self) -> RobotLimits:
+        """What it can do; the least speeds of a dead-band mean nothing here."""
+
+    def accelerate(self, v_dot: float, omega_dot: float) -> None:
+        """Accelerate by v̇ in m/s² and ω̇ in rad/s², counter-clockwise from above, until told else.
+
+        A robot that does not answer raises `parkproof.lab.devices.RobotSilentError`. One that hears
+        nothing for some tenths of a second should brake by itself: no speed limits it otherwise.
+        """
+
+    def stop(self) -> None:
+        """Brake at once, and hold the wheels. Must not raise, and may be called twice."""
 
     def close(self) -> None:
         """Stop, and give the robot back. May be called twice."""

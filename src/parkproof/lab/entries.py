@@ -75,7 +75,7 @@ class Measured(msgspec.Struct, frozen=True, kw_only=True, tag="measured"):
     predicted_for: float | None = None
 
 
-class Commanded(msgspec.Struct, frozen=True, kw_only=True, tag="command"):
+class Commanded(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag="command"):
     """A command was sent.
 
     Attributes
@@ -83,15 +83,20 @@ class Commanded(msgspec.Struct, frozen=True, kw_only=True, tag="command"):
     t : float
         When, in s.
     v, omega : float
-        Speed in m/s and turn rate in rad/s.
+        Speed in m/s and turn rate in rad/s; those that a robot that takes accelerations is taken
+        to have.
     step : int
         The step that the law was in; see `STEP_NAMES`.
+    accelerations : two floats or None
+        v̇ in m/s² and ω̇ in rad/s² for a robot that takes them; None if it was told to brake, and
+        for one that takes velocities.
     """
 
     t: float
     v: float
     omega: float
     step: int
+    accelerations: tuple[float, float] | None = None
 
 
 class Event(msgspec.Struct, frozen=True, kw_only=True, tag="event"):

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from parkproof.lab.differentiate import Differentiator
 from parkproof.lab.identify import MotionEstimate
-from parkproof.lab.predict import CommandHistory, GoalPose, Motion, predicted_pose
+from parkproof.lab.predict import CommandHistory, GoalPose, Motion, Moving, predicted_pose
 from parkproof.model.unicycle import wrap_angle
 
 JERK, TURN_JERK = 200.0, 400.0
@@ -58,6 +58,9 @@ class Estimate(NamedTuple):
         Gains of the sighting.
     motion : Motion
         How the robot answers to commands, as learnt so far.
+    moving : Moving
+        Of a robot that takes accelerations: how it moves, predicted at the time at which the next
+        command acts (`parkproof.lab.observer`).
     """
 
     t: float
@@ -68,6 +71,7 @@ class Estimate(NamedTuple):
     a: float
     beta: float
     motion: Motion
+    moving: Moving = Moving()
 
 
 class Estimator:
@@ -139,6 +143,14 @@ class Estimator:
         x, y = self._x.update(dt, seen.pose.x), self._y.update(dt, seen.pose.y)
         theta = self._theta.update(dt, self._unwrapped)
         pose = GoalPose(x.value, y.value, wrap_angle(theta.value))
+        ahead, moving = self._ahead(pose, seen, history, now)
+        v = x.rate * math.cos(theta.value) + y.rate * math.sin(theta.value)
+        return Estimate(seen.t, pose, v, theta.rate, ahead, seen.a, seen.beta, self.motion, moving)
+
+    def _ahead(
+        self, pose: GoalPose, seen: Sighting, history: CommandHistory, now: float
+    ) -> tuple[GoalPose, Moving]:
+        """Pose when the next command acts, and how a robot that takes accelerations moves then."""
         ahead = predicted_pose(
             pose,
             history,
@@ -148,8 +160,7 @@ class Estimator:
             beta=seen.beta,
             motion=self.motion,
         )
-        v = x.rate * math.cos(theta.value) + y.rate * math.sin(theta.value)
-        return Estimate(seen.t, pose, v, theta.rate, ahead, seen.a, seen.beta, self.motion)
+        return ahead, Moving()
 
     def _learn(self, last: Sighting, seen: Sighting, turn: float, history: CommandHistory) -> None:
         """How the robot answered between two sightings."""

@@ -8,15 +8,24 @@ from typing import Any
 
 import msgspec
 
-from parkproof.lab.devices import Camera, Clock, Frame, Missing, Robot, RobotSilentError
+from parkproof.lab.accelerated_parker import commanded_by, parker_for
+from parkproof.lab.devices import (
+    AcceleratedRobot,
+    Camera,
+    Clock,
+    Frame,
+    Missing,
+    Robot,
+    RobotSilentError,
+)
 from parkproof.lab.entries import Event
 from parkproof.lab.goal import Goal
-from parkproof.lab.parker import Answer, Parker, Phase
+from parkproof.lab.parker import Answer, Phase
 from parkproof.lab.record import Recorder
 from parkproof.lab.safety import SafetyLimits
 from parkproof.lab.settings import LabSettings
 from parkproof.lab.summary import FrameCounts, Sample
-from parkproof.lab.watchdog import StoppingRobot
+from parkproof.lab.watchdog import StoppingAcceleratedRobot, StoppingRobot, stopping
 
 DEAD_MAN = 0.3
 """Time without a command in s after which a thread stops a real robot."""
@@ -103,7 +112,7 @@ Watch = Callable[[Frame | Missing, Answer], None]
 
 
 def replay_settings(
-    goal: Goal, robot: Robot, settings: LabSettings, safety: SafetyLimits
+    goal: Goal, robot: Robot | AcceleratedRobot, settings: LabSettings, safety: SafetyLimits
 ) -> dict[str, Any]:
     """All that a replay needs, in what JSON has.
 
@@ -119,6 +128,7 @@ def replay_settings(
     """
     return {
         "goal": msgspec.to_builtins(goal),
+        "commanded_by": commanded_by(robot),
         "limits": msgspec.to_builtins(robot.limits),
         "settings": msgspec.to_builtins(settings),
         "safety": msgspec.to_builtins(safety),
@@ -127,7 +137,7 @@ def replay_settings(
 
 def run_lab(
     camera: Camera,
-    robot: Robot,
+    robot: Robot | AcceleratedRobot,
     clock: Clock,
     goal: Goal,
     *,
@@ -162,10 +172,10 @@ def run_lab(
         The run.
     """
     settings, safety = settings or LabSettings(), safety or SafetyLimits()
-    parker = Parker(goal, robot.limits, settings, safety)
+    parker = parker_for(commanded_by(robot), goal, robot.limits, settings, safety)
     eye, watched = (camera, clock) if recorder is None else recorder.watch(camera, clock)
     run = _Run(settings, recorder, watch)
-    with StoppingRobot(robot, clock=clock, timeout=DEAD_MAN if realtime else None) as safe:
+    with stopping(robot, clock=clock, timeout=DEAD_MAN if realtime else None) as safe:
         try:
             run.begin(watched.now())
             while run.outcome is None:
@@ -173,13 +183,23 @@ def run_lab(
                 now = watched.now()
                 started = time.perf_counter()
                 answer = parker.step(reading, now)
-                safe.send(answer.v, answer.omega)
+                _carry_out(safe, answer)
                 run.take(reading, now, answer, time.perf_counter() - started)
         except RobotSilentError as error:
             run.outcome, run.finished.note = LabOutcome.ROBOT_SILENT, str(error)
         except KeyboardInterrupt:
             run.outcome = LabOutcome.INTERRUPTED
     return run.end()
+
+
+def _carry_out(safe: StoppingRobot | StoppingAcceleratedRobot, answer: Answer) -> None:
+    """Send a command."""
+    if isinstance(safe, StoppingRobot):
+        safe.send(answer.v, answer.omega)
+    elif answer.accelerations is None:
+        safe.brake()
+    else:
+        safe.accelerate(*answer.accelerations)
 
 
 class _Run:
@@ -287,4 +307,6 @@ def _record(recorder: Recorder, reading: Frame | Missing, now: float, answer: An
         )
     for event in answer.events:
         recorder.event(event.t, event.name, event.sentence, level=event.level)
-    recorder.command(answer.t, answer.v, answer.omega, answer.step)
+    recorder.command(
+        answer.t, answer.v, answer.omega, answer.step, accelerations=answer.accelerations
+    )

@@ -18,7 +18,7 @@ from parkproof.lab.image_pose import ImagePose as PixelPose
 from parkproof.lab.image_pose import expected, image_pose
 from parkproof.lab.limits import limited
 from parkproof.lab.pilot import Arrival, Course, Pilot, Pulses
-from parkproof.lab.plan import Task, plan_course
+from parkproof.lab.plan import PACES, Drive, Task, plan_course
 from parkproof.lab.predict import CommandHistory, GoalPose
 from parkproof.lab.safety import Alarm, Guard, SafetyLimits
 from parkproof.lab.settings import LabSettings
@@ -91,6 +91,9 @@ class Answer:
         What happened.
     foreseen : float
         How long the course that is driven takes at most, as foreseen, in s.
+    accelerations : two floats or None
+        For a robot that takes them: v̇ in m/s² and ω̇ in rad/s² to send, or None to brake. v and
+        omega are then the speeds that it is taken to have, 0 while it brakes.
     """
 
     t: float
@@ -103,6 +106,7 @@ class Answer:
     tag: Detection | None = None
     events: tuple[Event, ...] = ()
     foreseen: float = math.nan
+    accelerations: tuple[float, float] | None = None
 
 
 @dataclass
@@ -155,7 +159,7 @@ class Parker:
         self._settings, self._safety = settings or LabSettings(), safety or SafetyLimits()
         self._detector = TagDetector()
         self._history = CommandHistory()
-        self._estimator = Estimator(delay=self._settings.delay)
+        self._estimator = self._new_estimator()
         self._view = ImageView(tuple(goal.corners()))
         self._guard = Guard(self._safety, limits, self._view, mount=goal.mount)
         self._arrival = Arrival(self._settings.position_px / goal.unit, self._settings.heading)
@@ -201,8 +205,8 @@ class Parker:
             estimate = self._estimator.update(seen, self._history, now=now)
             memory.seen = now
         v, omega = self._decide(estimate, alarm, now, dt)
-        self._history.add(now, v, omega)
         memory.sent = (v, omega)
+        self._remember(now)
         return Answer(
             now,
             v,
@@ -214,7 +218,20 @@ class Parker:
             tag,
             tuple(memory.events),
             math.nan if memory.course is None else memory.course.time,
+            self._accelerations,
         )
+
+    def _new_estimator(self) -> Estimator:
+        return Estimator(delay=self._settings.delay)
+
+    @property
+    def _accelerations(self) -> tuple[float, float] | None:
+        """What is sent to a robot that takes accelerations."""
+        return None
+
+    def _remember(self, now: float) -> None:
+        """Keep what is sent, for the prediction."""
+        self._history.add(now, *self._now.sent)
 
     def _look(
         self, reading: Frame | Missing, now: float
@@ -267,18 +284,30 @@ class Parker:
             if carried:
                 self._estimator.forget()
             elif now - memory.seen <= self._safety.patience:
-                return memory.sent
+                return self._held()
             self._stop(alarm, now)
         elif (
             memory.phase in {Phase.WAITING, Phase.STOPPED}
             and memory.right >= self._safety.recovery
-            and memory.sent == (0.0, 0.0)
             and estimate is not None
+            and self._stands(estimate)
         ):
             self._begin(estimate, now)
         if estimate is not None and memory.phase in {Phase.DRIVING, Phase.PARKED}:
             return self._drive(estimate, now, dt)
-        return limited(0.0, 0.0, *memory.sent, dt, self._limits)
+        return self._slowed(dt)
+
+    def _held(self) -> tuple[float, float]:
+        """What is sent while it is not yet clear that something is wrong."""
+        return self._now.sent
+
+    def _slowed(self, dt: float) -> tuple[float, float]:
+        """What is sent to stop."""
+        return limited(0.0, 0.0, *self._now.sent, dt, self._limits)
+
+    def _stands(self, _estimate: Estimate) -> bool:
+        """Whether the robot stands still."""
+        return self._now.sent == (0.0, 0.0)
 
     def _drive(self, estimate: Estimate, now: float, dt: float) -> tuple[float, float]:
         """The command of the course, unless it leads out of the picture."""
@@ -287,16 +316,24 @@ class Parker:
         asked = memory.pilot.step(
             now, dt, estimate.ahead, beta=estimate.beta, motion=estimate.motion
         )
-        if asked.step != memory.step and asked.step >= 0:
-            self._tell(now, "step", f"step: {STEP_NAMES[asked.step]}")
-        memory.step = asked.step
+        self._in_step(asked.step, now)
         if alarm := self._guard.of_motion(estimate, asked.v, asked.omega, scale=self._scale):
             self._stop(alarm, now)
-            return limited(0.0, 0.0, *memory.sent, dt, self._limits)
-        if asked.parked != (memory.phase is Phase.PARKED):
-            memory.phase = Phase.PARKED if asked.parked else Phase.DRIVING
-            self._tell(now, "parked" if asked.parked else "moved", self._parked_sentence())
+            return self._slowed(dt)
+        self._arrived(asked.parked, now)
         return self._shaped(asked.v, asked.omega, dt)
+
+    def _in_step(self, step: int, now: float) -> None:
+        """Keep the step that the law is in."""
+        if step != self._now.step and step >= 0:
+            self._tell(now, "step", f"step: {STEP_NAMES[step]}")
+        self._now.step = step
+
+    def _arrived(self, parked: bool, now: float) -> None:
+        """Keep whether the robot is parked."""
+        if parked != (self._now.phase is Phase.PARKED):
+            self._now.phase = Phase.PARKED if parked else Phase.DRIVING
+            self._tell(now, "parked" if parked else "moved", self._parked_sentence())
 
     def _shaped(self, v: float, omega: float, dt: float) -> tuple[float, float]:
         """Pulses in place of what is below the robot's dead-band, within all limits."""
@@ -307,7 +344,7 @@ class Parker:
 
     def _begin(self, estimate: Estimate, now: float) -> None:
         """Choose a course from where the robot stands."""
-        memory, goal = self._now, self._goal
+        memory = self._now
         first = memory.course is None
         course = None
         if memory.plans < PLANS:
@@ -318,18 +355,22 @@ class Parker:
             self._tell(now, "refused", Phase.REFUSED.sentence, level=2)
             return
         memory.course, memory.phase, memory.alarm = course, Phase.DRIVING, None
-        memory.pilot = Pilot(
-            course,
-            self._bounds(self._settings.motor_error, 1.0),
-            self._limits,
-            side=goal.mount.side,
-            period=1.0 / self._settings.rate,
-            arrival=self._arrival,
-        )
+        self._take_pilot(course)
         way = "backward" if course.gains.direction == "backward" else "forward"
         leg = f" after a straight leg of {course.stage:g} tag sides" if course.stage else ""
         self._tell(
             now, "course", f"a course {way}{leg}, foreseen to take {course.time:.1f} s at most"
+        )
+
+    def _take_pilot(self, course: Course) -> None:
+        """Have a course driven from now on."""
+        self._now.pilot = Pilot(
+            course,
+            self._bounds(self._settings.motor_error, 1.0),
+            self._limits,
+            side=self._goal.mount.side,
+            period=1.0 / self._settings.rate,
+            arrival=self._arrival,
         )
 
     def _planned(self, estimate: Estimate, *, first: bool) -> Course | None:
@@ -353,11 +394,16 @@ class Parker:
                 law=self._settings.law,
                 gains=self._settings.gains,
                 thorough=thorough,
+                quickest=self._quickest,
+                drive=self._in_advance,
             )
             course = plan_course(task, estimate.pose, estimate.motion)
             if course is not None:
                 return course
         return None
+
+    _in_advance: Drive | None = None
+    _quickest = PACES[0]
 
     def _bounds(self, error: float, share: float) -> Bounds:
         """Bounds of a in goal units per tag side, from frames seen, with the motors' error.

@@ -7,7 +7,7 @@ start is refused, before anything moves.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -78,6 +78,10 @@ class Task:
         Gains that are given; only direction and straight leg are chosen then.
     thorough : bool
         Whether to try more speeds, slopes and legs: a few seconds, where there is no course.
+    quickest : float
+        Largest time scale κ of Step 2 that is tried.
+    drive : callable, optional
+        How courses are driven in advance; default `driven_time`, for a robot that takes velocities.
     """
 
     view: ImageView
@@ -91,6 +95,71 @@ class Task:
     law: Literal["corrected", "homogeneous"] = "corrected"
     gains: Gains | None = None
     thorough: bool = False
+    quickest: float = PACES[0]
+    drive: "Drive | None" = None
+
+
+Drive = Callable[[Task, Course, GoalPose, Motion, float, float], float | None]
+"""Drives a course in advance from a pose, with a motion, a gain a, and at most so many seconds: the
+time that it takes, or None."""
+
+
+def driven_time(
+    task: Task, course: Course, pose: GoalPose, motion: Motion, a: float, longest: float
+) -> float | None:
+    """Drive a course on the image unicycle with a constant gain a, and β = 1.
+
+    Where the motors' gains are known already, only the rest is uncertain; that is for the task's
+    bounds to say.
+
+    Parameters
+    ----------
+    task : Task
+        What the course has to do.
+    course : Course
+        The course.
+    pose : GoalPose
+        Where the robot stands.
+    motion : Motion
+        How the robot answers to commands.
+    a : float
+        Goal units per tag side.
+    longest : float
+        Time in s after which it is given up.
+
+    Returns
+    -------
+    float or None
+        How long it takes in s; None if it leaves the view or takes too long.
+    """
+    pilot = Pilot(
+        course,
+        task.bounds,
+        task.limits,
+        side=task.side,
+        period=PERIOD,
+        arrival=task.arrival,
+    )
+    room = task.view.room(task.footprint, *pose) - task.margin
+    t, turned = 0.0, False
+    while t < longest:
+        asked = pilot.step(t, PERIOD, pose, beta=1.0, motion=motion)
+        if asked.step == 0 and turned:
+            return None  # it had to turn again
+        turned = turned or asked.step > 0
+        if asked.step in {1, 2} and abs(pose.theta) > STEEPEST:
+            return None
+        if asked.step == HOLD:
+            return t
+        v = motion.speed * asked.v
+        turn = motion.turn * asked.omega + motion.skew * asked.v
+        pose = advanced(pose, PERIOD, a * v / task.side, turn)
+        clearance = task.view.room(task.footprint, *pose) - task.margin
+        if clearance < min(0.0, room) - 1e-9:
+            return None
+        room = max(room, min(0.0, clearance))
+        t += PERIOD
+    return None
 
 
 def plan_course(task: Task, start: GoalPose, motion: Motion | None = None) -> Course | None:
@@ -141,7 +210,7 @@ def _courses(task: Task, stages: Sequence[float]) -> Iterator[Course]:
     across, along = task.tolerance
     directions: tuple[Literal["forward", "backward"], ...] = ("forward", "backward")
     for stage in stages:
-        for gains in [task.gains] if task.gains else _gains(thorough=task.thorough):
+        for gains in [task.gains] if task.gains else _gains(task):
             switching = Switching(
                 tolerance=(0.1 * gains.runup_speed, across, along),
                 hysteresis=3.0,
@@ -153,11 +222,13 @@ def _courses(task: Task, stages: Sequence[float]) -> Iterator[Course]:
                 yield Course(task.law, turned, switching, stage)
 
 
-def _gains(*, thorough: bool) -> Iterator[Gains]:
+def _gains(task: Task) -> Iterator[Gains]:
     """The paper's Step 2 at several speeds and slopes, with fast holding."""
     base = Gains()
-    for pace in MORE_PACES if thorough else PACES:
-        for slope in MORE_SLOPES if thorough else SLOPES:
+    more = task.thorough or task.quickest < PACES[0]
+    paces = [pace for pace in (MORE_PACES if more else PACES) if pace <= task.quickest]
+    for pace in paces:
+        for slope in MORE_SLOPES if task.thorough else SLOPES:
             cruise = pace / slope
             if CRUISE[0] <= cruise <= CRUISE[1]:
                 yield Gains(
@@ -173,48 +244,10 @@ def _worst_time(
     task: Task, course: Course, start: GoalPose, motion: Motion, longest: float
 ) -> float | None:
     """The time of a course with the least and the greatest gain, None if either leaves the view."""
-    worst = 0.0
+    drive, worst = task.drive or driven_time, 0.0
     for a in task.bounds.alpha_of(0):
-        time = _time(task, course, start, motion, a, longest)
+        time = drive(task, course, start, motion, a, longest)
         if time is None:
             return None
         worst = max(worst, time)
     return worst
-
-
-def _time(
-    task: Task, course: Course, pose: GoalPose, motion: Motion, a: float, longest: float
-) -> float | None:
-    """Drive a course on the image unicycle with a constant gain a, and β = 1.
-
-    Where the motors' gains are known already, only the rest is uncertain; that is for the task's
-    bounds to say.
-    """
-    pilot = Pilot(
-        course,
-        task.bounds,
-        task.limits,
-        side=task.side,
-        period=PERIOD,
-        arrival=task.arrival,
-    )
-    room = task.view.room(task.footprint, *pose) - task.margin
-    t, turned = 0.0, False
-    while t < longest:
-        asked = pilot.step(t, PERIOD, pose, beta=1.0, motion=motion)
-        if asked.step == 0 and turned:
-            return None  # it had to turn again
-        turned = turned or asked.step > 0
-        if asked.step in {1, 2} and abs(pose.theta) > STEEPEST:
-            return None
-        if asked.step == HOLD:
-            return t
-        v = motion.speed * asked.v
-        turn = motion.turn * asked.omega + motion.skew * asked.v
-        pose = advanced(pose, PERIOD, a * v / task.side, turn)
-        clearance = task.view.room(task.footprint, *pose) - task.margin
-        if clearance < min(0.0, room) - 1e-9:
-            return None
-        room = max(room, min(0.0, clearance))
-        t += PERIOD
-    return None

@@ -32,6 +32,50 @@ class Motion(NamedTuple):
     skew: float = 0.0
 
 
+class Response(NamedTuple):
+    """How a speed answers: its rate is own·sent + cross·other + rest − friction·tanh(speed/slow).
+
+    Attributes
+    ----------
+    own, cross : float
+        Gains of the acceleration sent for this speed, and of that for the other one.
+    rest : float
+        Acceleration that nothing else explains.
+    friction : float
+        Of dry friction.
+    slow : float
+        Speed at which it begins.
+    """
+
+    own: float = 1.0
+    cross: float = 0.0
+    rest: float = 0.0
+    friction: float = 0.0
+    slow: float = 1.0
+
+    def rate(self, speed: float, sent: float, other: float) -> float:
+        """Rate of a speed, with accelerations sent for it and for the other one."""
+        friction = self.friction * math.tanh(speed / self.slow)
+        return self.own * sent + self.cross * other + self.rest - friction
+
+
+class Moving(NamedTuple):
+    """How a robot moves, in its own units, and how it answers.
+
+    Attributes
+    ----------
+    v, omega : float
+        Speed in m/s and turn rate in rad/s.
+    along, turning : Response
+        How they answer.
+    """
+
+    v: float = 0.0
+    omega: float = 0.0
+    along: Response = Response()
+    turning: Response = Response()
+
+
 class GoalPose(NamedTuple):
     """Pose in the goal's image frame.
 

@@ -181,10 +181,29 @@ class Recorder:
         )
         self._log(measured)
 
-    def command(self, t: float, v: float, omega: float, step: int) -> None:
-        """Record a command sent at t: v in m/s, omega in rad/s, and the step of the law."""
+    def command(
+        self,
+        t: float,
+        v: float,
+        omega: float,
+        step: int,
+        *,
+        accelerations: tuple[float, float] | None = None,
+    ) -> None:
+        """Record a command sent at t: v in m/s, omega in rad/s, and the step of the law.
+
+        See `parkproof.lab.entries.Commanded` for a robot that takes accelerations.
+        """
         self._now = float(t)
-        self._log(Commanded(t=self._now, v=float(v), omega=float(omega), step=int(step)))
+        self._log(
+            Commanded(
+                t=self._now,
+                v=float(v),
+                omega=float(omega),
+                step=int(step),
+                accelerations=_floats(accelerations),
+            )
+        )
         self._hand_over()
 
     def event(self, t: float, name: str, sentence: str, *, level: int = 1) -> None:

@@ -6,13 +6,13 @@ from pathlib import Path
 import msgspec
 
 from parkproof.errors import InputError
+from parkproof.lab.accelerated_parker import parker_for
 from parkproof.lab.devices import Missing, RobotLimits
 from parkproof.lab.entries import Commanded
 from parkproof.lab.goal import Goal
-from parkproof.lab.parker import Parker
 from parkproof.lab.recording import Recording
 from parkproof.lab.safety import SafetyLimits
-from parkproof.lab.settings import LabSettings
+from parkproof.lab.settings import CommandedBy, LabSettings
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,8 @@ def replayed(path: Path | str) -> Replayed:
     recording = Recording.open(path)
     try:
         known = recording.settings
-        parker = Parker(
+        parker = parker_for(
+            msgspec.convert(known.get("commanded_by", "velocity"), CommandedBy),
             msgspec.convert(known["goal"], Goal),
             msgspec.convert(known["limits"], RobotLimits),
             msgspec.convert(known["settings"], LabSettings),
@@ -99,6 +100,7 @@ def replayed(path: Path | str) -> Replayed:
             break
         answer = parker.step(reading, clock.now())
         compared += 1
-        if (answer.v, answer.omega) != (command.v, command.omega):
+        again = answer.v, answer.omega, answer.accelerations
+        if again != (command.v, command.omega, command.accelerations):
             return Replayed(compared, command, recording.whole)
     return Replayed(compared, None, recording.whole)

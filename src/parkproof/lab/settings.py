@@ -13,6 +13,9 @@ from parkproof.scenario_file.overrides import apply_overrides
 from parkproof.scenario_file.read import converted
 from parkproof.validate import not_negative, positive
 
+CommandedBy = Literal["velocity", "torque"]
+"""What a robot takes: speeds that its motors follow, or accelerations."""
+
 
 class LabSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How a run goes.
@@ -25,7 +28,11 @@ class LabSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         Its gains, in units of the tag's side. Default: chosen for the start, from the paper's at
         several speeds and slopes.
     motor_error : float
-        By what share the robot's speeds may differ from those that it is sent.
+        By what share the robot's speeds, or accelerations, may differ from those that it is sent.
+    disturbance : two floats
+        Of a robot that takes accelerations: by how much, besides the motors' error, its
+        accelerations may differ from those that it is sent, in m/s² and rad/s². Friction is most
+        of it.
     rate : float
         Frames per s that are expected.
     delay : float
@@ -55,6 +62,7 @@ class LabSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     law: Literal["corrected", "homogeneous"] = "corrected"
     gains: Gains | None = None
     motor_error: float = 0.3
+    disturbance: tuple[float, float] = (0.2, 2.0)
     rate: float = 30.0
     delay: float = 0.045
     stamp_delay: float = 0.0
@@ -73,6 +81,9 @@ class LabSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
             force_setattr(self, name, positive(name, getattr(self, name), example=example))
         for name in ("motor_error", "delay", "stamp_delay", "hold"):
             force_setattr(self, name, not_negative(name, getattr(self, name)))
+        force_setattr(
+            self, "disturbance", tuple(not_negative("disturbance", x) for x in self.disturbance)
+        )
         if self.motor_error >= 0.9:
             raise InputError(
                 f"motor_error = {self.motor_error:g}: must be below 0.9, a share of what is "

@@ -5,10 +5,11 @@ import math
 import signal
 import threading
 import time
+from collections.abc import Callable
 from types import FrameType, TracebackType
 from typing import Any, Self
 
-from parkproof.lab.devices import Clock, Robot, RobotLimits
+from parkproof.lab.devices import AcceleratedRobot, Clock, Robot, RobotLimits
 from parkproof.lab.limits import limited
 from parkproof.validate import positive
 
@@ -16,7 +17,148 @@ SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")
 """Ctrl-C, a request to end, a terminal that was closed. There is no SIGHUP on Windows."""
 
 
-class StoppingRobot:
+class Stopping:
+    """What keeps a robot from driving on unwatched; see `StoppingRobot`.
+
+    Parameters
+    ----------
+    robot : Robot or AcceleratedRobot
+        What is driven.
+    clock : Clock
+        Of the loop.
+    timeout : float or None
+        Time without a command in s after which the robot is stopped; None for no such watch.
+
+    Raises
+    ------
+    InputError
+        If the time is not positive.
+    """
+
+    def __init__(
+        self, robot: Robot | AcceleratedRobot, *, clock: Clock, timeout: float | None = 0.3
+    ) -> None:
+        self._robot = robot
+        self._clock = clock
+        self._timeout = None if timeout is None else positive("timeout", timeout, example=0.3)
+        self.stopped_by = ""
+        self.late_stops = 0
+        self._fed = time.monotonic()
+        self._lock = threading.RLock()  # a signal may arrive inside `send`, in the same thread
+        self._closed = threading.Event()
+        self._thread: threading.Thread | None = None
+        self._before: dict[signal.Signals, Any] = {}
+        atexit.register(self._robot.stop)
+
+    @property
+    def limits(self) -> RobotLimits:
+        """What the robot can do."""
+        return self._robot.limits
+
+    def _rests(self) -> bool:
+        """Whether the robot was told to stand still."""
+        raise NotImplementedError
+
+    def _carry_out(self, command: Callable[[], None]) -> None:
+        """Send a command, unless the robot is stopped for good; stop it if that fails."""
+        with self._lock:
+            if self.stopped_by or self._closed.is_set():
+                self._robot.stop()
+                return
+            self._watch()
+            self._fed = time.monotonic()
+            try:
+                command()
+            except BaseException:
+                self.stop()
+                raise
+            self._fed = time.monotonic()
+            if self.stopped_by:  # a signal has come meanwhile, and its handler gone on
+                self.stop()
+
+    def stop(self) -> None:
+        """Stand still at once."""
+        self._robot.stop()
+
+    def close(self) -> None:
+        """Stop, give the robot and the signals back. May be called twice."""
+        if self._closed.is_set():
+            self.stop()
+            return
+        self.release()
+        self._robot.close()
+
+    def release(self) -> None:
+        """Stop and give the signals back, but not the robot: it may be wrapped again."""
+        self.stop()
+        self._closed.set()
+        for number, handler in self._before.items():
+            if signal.getsignal(number) == self._on_signal:
+                signal.signal(number, handler)
+        self._before.clear()
+        atexit.unregister(self._robot.stop)
+        if self._thread is not None:
+            self._thread.join(timeout=1.0)
+
+    def __enter__(self) -> Self:
+        if threading.current_thread() is threading.main_thread():
+            for number in (getattr(signal, name) for name in SIGNALS if hasattr(signal, name)):
+                before = signal.getsignal(number)
+                if before not in {signal.SIG_IGN, None}:
+                    self._before[number] = before
+                    signal.signal(number, self._on_signal)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _on_signal(self, number: int, frame: FrameType | None) -> None:
+        self.stopped_by = signal.Signals(number).name
+        self.stop()  # without the lock, which another thread may hold
+        before = self._before.get(signal.Signals(number))
+        if callable(before):
+            before(number, frame)
+        else:
+            raise SystemExit(128 + number)
+
+    def _watch(self) -> None:
+        """Have a thread that watches, also when an error of the robot has ended an earlier one."""
+        if self._timeout is not None and (self._thread is None or not self._thread.is_alive()):
+            self._thread = threading.Thread(
+                target=self._watching, args=(self._timeout,), name="watchdog", daemon=True
+            )
+            self._thread.start()
+
+    def _watching(self, timeout: float) -> None:
+        pause = timeout
+        while not self._closed.wait(pause):
+            left = self._fed + timeout - time.monotonic()
+            if self._rests():
+                pause = 0.5 * timeout
+            elif left > 0.0:
+                pause = left
+            else:
+                self._stop_late(timeout)
+                pause = 0.5 * timeout
+
+    def _stop_late(self, timeout: float) -> None:
+        """Stop, unless a command has come in between; do not wait for one that hangs."""
+        held = self._lock.acquire(timeout=0.1 * timeout)
+        try:
+            if not held or self._fed + timeout <= time.monotonic():
+                self.late_stops += 1
+                self.stop()
+        finally:
+            if held:
+                self._lock.release()
+
+
+class StoppingRobot(Stopping):
     """Wraps a robot: limits kept, and stopped when the program no longer drives it.
 
     Every command goes through `parkproof.lab.limits.limited` first. The robot is stopped
@@ -78,30 +220,19 @@ class StoppingRobot:
         timeout: float | None = 0.3,
         longest_step: float = 0.1,
     ) -> None:
-        self._robot = robot
-        self._clock = clock
-        self._timeout = None if timeout is None else positive("timeout", timeout, example=0.3)
+        super().__init__(robot, clock=clock, timeout=timeout)
+        self._driven = robot
         self._longest_step = positive("longest_step", longest_step, example=0.1)
-        self.stopped_by = ""
-        self.late_stops = 0
         self._sent = (0.0, 0.0)
         self._time = -math.inf
-        self._fed = time.monotonic()
-        self._lock = threading.RLock()  # a signal may arrive inside `send`, in the same thread
-        self._closed = threading.Event()
-        self._thread: threading.Thread | None = None
-        self._before: dict[signal.Signals, Any] = {}
-        atexit.register(self._robot.stop)
-
-    @property
-    def limits(self) -> RobotLimits:
-        """What the robot can do."""
-        return self._robot.limits
 
     @property
     def sent(self) -> tuple[float, float]:
         """(v, ω) as last sent, within all limits."""
         return self._sent
+
+    def _rests(self) -> bool:
+        return self._sent == (0.0, 0.0)
 
     def send(self, v: float, omega: float) -> None:
         """Send the nearest command within the limits; to stand still if a number is not finite.
@@ -111,102 +242,108 @@ class StoppingRobot:
         RobotSilentError
             As the robot does; it has been told to stop.
         """
-        with self._lock:
-            if self.stopped_by or self._closed.is_set():
-                self._robot.stop()
-                return
+
+        def command() -> None:
             now = self._clock.now()
             dt = min(now - self._time, self._longest_step)
-            self._watch()
-            self._sent = limited(v, omega, *self._sent, dt, self.limits)
-            self._time, self._fed = now, time.monotonic()
-            try:
-                self._robot.send(*self._sent)
-            except BaseException:
-                self.stop()
-                raise
-            self._fed = time.monotonic()
-            if self.stopped_by:  # a signal has come meanwhile, and its handler gone on
-                self.stop()
+            self._sent, self._time = limited(v, omega, *self._sent, dt, self.limits), now
+            self._driven.send(*self._sent)
+
+        self._carry_out(command)
 
     def stop(self) -> None:
         """Stand still at once: not slowed down within the limits, for which send zeros."""
         self._sent = (0.0, 0.0)
         self._robot.stop()
 
-    def close(self) -> None:
-        """Stop, give the robot and the signals back. May be called twice."""
-        if self._closed.is_set():
-            self.stop()
-            return
-        self.release()
-        self._robot.close()
 
-    def release(self) -> None:
-        """Stop and give the signals back, but not the robot: it may be wrapped again."""
-        self.stop()
-        self._closed.set()
-        for number, handler in self._before.items():
-            if signal.getsignal(number) == self._on_signal:
-                signal.signal(number, handler)
-        self._before.clear()
-        atexit.unregister(self._robot.stop)
-        if self._thread is not None:
-            self._thread.join(timeout=1.0)
+class StoppingAcceleratedRobot(Stopping):
+    """The same for a robot that takes accelerations: limits of acceleration kept.
 
-    def __enter__(self) -> Self:
-        if threading.current_thread() is threading.main_thread():
-            for number in (getattr(signal, name) for name in SIGNALS if hasattr(signal, name)):
-                before = signal.getsignal(number)
-                if before not in {signal.SIG_IGN, None}:
-                    self._before[number] = before
-                    signal.signal(number, self._on_signal)
-        return self
+    Those of speed are for the loop to keep, which estimates speeds. The watch holds unless the
+    robot was told to brake.
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
+    Parameters
+    ----------
+    robot : AcceleratedRobot
+        What is driven.
+    clock : Clock
+        Of the loop.
+    timeout : float or None
+        As in `StoppingRobot`.
+
+    Examples
+    --------
+    >>> from parkproof.lab.devices import WallClock
+    >>> from parkproof.lab.world import RobotSettings, World, WorldSettings
+    >>> with World(WorldSettings(robot=RobotSettings(commanded_by="torque"))) as world:
+    ...     with StoppingAcceleratedRobot(world.robot, clock=world.clock, timeout=None) as safe:
+    ...         safe.accelerate(1e6, 0.0)
+    ...         world.truth().commanded_v
+    1.0
+    """
+
+    def __init__(
+        self, robot: AcceleratedRobot, *, clock: Clock, timeout: float | None = 0.3
     ) -> None:
-        self.close()
+        super().__init__(robot, clock=clock, timeout=timeout)
+        self._driven = robot
+        self._braked = True
 
-    def _on_signal(self, number: int, frame: FrameType | None) -> None:
-        self.stopped_by = signal.Signals(number).name
-        self.stop()  # without the lock, which another thread may hold
-        before = self._before.get(signal.Signals(number))
-        if callable(before):
-            before(number, frame)
-        else:
-            raise SystemExit(128 + number)
+    def _rests(self) -> bool:
+        return self._braked
 
-    def _watch(self) -> None:
-        """Have a thread that watches, also when an error of the robot has ended an earlier one."""
-        if self._timeout is not None and (self._thread is None or not self._thread.is_alive()):
-            self._thread = threading.Thread(
-                target=self._watching, args=(self._timeout,), name="watchdog", daemon=True
+    def accelerate(self, v_dot: float, omega_dot: float) -> None:
+        """Send the nearest acceleration within the limits; brake if a number is not finite.
+
+        Raises
+        ------
+        RobotSilentError
+            As the robot does; it has been told to brake.
+        """
+        if not (math.isfinite(v_dot) and math.isfinite(omega_dot)):
+            self.brake()
+            return
+        limits = self.limits
+
+        def command() -> None:
+            self._braked = False
+            most, most_turn = limits.acceleration, limits.turn_acceleration
+            self._driven.accelerate(
+                min(max(v_dot, -most), most), min(max(omega_dot, -most_turn), most_turn)
             )
-            self._thread.start()
 
-    def _watching(self, timeout: float) -> None:
-        pause = timeout
-        while not self._closed.wait(pause):
-            left = self._fed + timeout - time.monotonic()
-            if self._sent == (0.0, 0.0):
-                pause = 0.5 * timeout
-            elif left > 0.0:
-                pause = left
-            else:
-                self._stop_late(timeout)
-                pause = 0.5 * timeout
+        self._carry_out(command)
 
-    def _stop_late(self, timeout: float) -> None:
-        """Stop, unless a command has come in between; do not wait for one that hangs."""
-        held = self._lock.acquire(timeout=0.1 * timeout)
-        try:
-            if not held or self._fed + timeout <= time.monotonic():
-                self.late_stops += 1
-                self.stop()
-        finally:
-            if held:
-                self._lock.release()
+    def brake(self) -> None:
+        """Have it brake, as a command of the loop."""
+        self._carry_out(self.stop)
+
+    def stop(self) -> None:
+        """Brake at once."""
+        self._braked = True
+        self._robot.stop()
+
+
+def stopping(
+    robot: Robot | AcceleratedRobot, *, clock: Clock, timeout: float | None
+) -> StoppingRobot | StoppingAcceleratedRobot:
+    """Wrap a robot of either kind.
+
+    Parameters
+    ----------
+    robot : Robot or AcceleratedRobot
+        What is driven.
+    clock : Clock
+        Of the loop.
+    timeout : float or None
+        As in `StoppingRobot`.
+
+    Returns
+    -------
+    StoppingRobot or StoppingAcceleratedRobot
+        By what the robot takes.
+    """
+    if isinstance(robot, AcceleratedRobot):
+        return StoppingAcceleratedRobot(robot, clock=clock, timeout=timeout)
+    return StoppingRobot(robot, clock=clock, timeout=timeout)

@@ -5,6 +5,14 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from parkproof.lab.world.inertia import (
+    ARMATURE,
+    BALLAST,
+    CASTOR,
+    CASTOR_MASS,
+    WHEEL_MASS,
+    body_box,
+)
 from parkproof.lab.world.settings import WorldSettings
 from parkproof.lab.world.textures import (
     FLOOR_METRES,
@@ -33,6 +41,7 @@ def _text(values: Iterable[float]) -> str:
 
 
 def _servo(wheel: str, settings: WorldSettings) -> str:
+    """A motor that follows a speed; `Physics` frees that of a robot commanded by torque."""
     robot = settings.robot
     lag = f'dyntype="filter" dynprm="{robot.servo_time:.12g}"' if robot.servo_time else ""
     return (
@@ -48,9 +57,9 @@ def _wheel(name: str, side: float, settings: WorldSettings) -> str:
     # An ellipsoid touches the floor in one point: a cylinder would scrub on two edges in turns.
     return f"""
       <body name="{name}" pos="0 {side * 0.5 * robot.track:.12g} 0">
-        <joint name="{name}" type="hinge" axis="0 1 0" armature="5e-4"
+        <joint name="{name}" type="hinge" axis="0 1 0" armature="{ARMATURE:.12g}"
                frictionloss="{robot.friction_torque:.12g}"/>
-        <geom type="ellipsoid" size="{_text((r, 0.3 * r, r))}" mass="0.05"
+        <geom type="ellipsoid" size="{_text((r, 0.3 * r, r))}" mass="{WHEEL_MASS:.12g}"
               friction="{settings.floor.friction:.12g} 0.005 0.0001" rgba="0.08 0.08 0.08 1"/>
       </body>"""
 
@@ -60,7 +69,7 @@ def _robot(settings: WorldSettings) -> str:
     r, track = robot.wheel_radius, robot.track
     top = robot.tag_height - r - 0.002  # of the body, over the axle
     bottom = -0.4 * r
-    back, front, half_width = -0.75 * track, 0.5 * track, 0.5 * track - 0.35 * r
+    back, front, half_width = body_box(robot)
     middle, half = 0.5 * (back + front), 0.5 * (front - back)
     castor = 0.4 * r
     inertia = (
@@ -74,15 +83,16 @@ def _robot(settings: WorldSettings) -> str:
     return f"""
     <body name="robot" pos="0 0 {r:.12g}">
       <freejoint/>
-      <inertial pos="{-0.25 * track:.12g} 0 {-0.2 * r:.12g}" mass="{robot.mass:.12g}"
+      <inertial pos="{-BALLAST * track:.12g} 0 {-0.2 * r:.12g}" mass="{robot.mass:.12g}"
                 diaginertia="{_text(inertia)}"/>
       <geom class="shown" type="box" rgba="0.2 0.32 0.5 1"
             pos="{_text((middle, 0.0, 0.5 * (top + bottom)))}"
             size="{_text((half, half_width, 0.5 * (top - bottom)))}"/>
       <geom class="shown" type="mesh" mesh="tag" material="tag"
             pos="{_text((x, y, robot.tag_height - r))}" quat="{_text(turn)}"/>
-      <geom name="castor" type="sphere" size="{castor:.12g}" condim="1" priority="1" mass="0.01"
-            pos="{_text((-0.55 * track, 0.0, castor - r))}" rgba="0.3 0.3 0.3 1"/>
+      <geom name="castor" type="sphere" size="{castor:.12g}" condim="1" priority="1"
+            pos="{_text((-CASTOR * track, 0.0, castor - r))}" mass="{CASTOR_MASS:.12g}"
+            rgba="0.3 0.3 0.3 1"/>
       {_wheel("left", 1.0, settings)}
       {_wheel("right", -1.0, settings)}
     </body>"""

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from parkproof.lab.world.model import STEP
+from parkproof.lab.world.inertia import nominal_drive
+from parkproof.lab.world.model import SERVO_GAIN, STEP
 from parkproof.lab.world.pushes import Pushes
 from parkproof.lab.world.settings import FloorPose, WorldSettings
 
@@ -55,6 +56,7 @@ class Physics:
         self._model = model
         self._data = mujoco.MjData(model)
         self._robot = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, "robot")
+        self._drive = nominal_drive(settings.robot)
         self._pushes = Pushes(settings.pushes, settings.seed)
         self.t = 0.0
         mujoco.mj_step(model, self._data, nstep=round(_SETTLING / STEP))
@@ -83,6 +85,8 @@ class Physics:
             self._rest[3:7],
         )
         self._mujoco.mj_forward(self._model, data)
+        if self._settings.robot.commanded_by == "torque":
+            self.brake()
 
     def command(self, v: float, omega: float) -> None:
         """Set the wheels' speeds: through each motor's gain error, then the dead-band.
@@ -98,6 +102,25 @@ class Physics:
             speed = nominal * robot.motor_gains[i]
             turns = abs(speed) >= robot.dead_band
             self._data.ctrl[i] = min(max(speed, -limit), limit) if turns else 0.0
+
+    def accelerate(self, v_dot: float, omega_dot: float) -> None:
+        """Set the wheels' torques: nominal ones for an acceleration, through each motor's gain.
+
+        Parameters
+        ----------
+        v_dot, omega_dot : float
+            Commanded acceleration in m/s² and rad/s².
+        """
+        gains = self._settings.robot.motor_gains
+        right, left = self._drive.wheel_torques(v_dot, omega_dot)
+        self._data.ctrl[:] = gains[0] * left, gains[1] * right
+        self._model.actuator_biasprm[:, 2] = 0.0  # the speed of the wheel does not count
+
+    def brake(self) -> None:
+        """Have the motors hold the wheels still at once, as strongly as they can."""
+        self._data.ctrl[:] = 0.0
+        self._data.act[:] = 0.0  # also where torques come with a lag
+        self._model.actuator_biasprm[:, 2] = -SERVO_GAIN
 
     def advance(self, until: float) -> None:
         """Let time pass.

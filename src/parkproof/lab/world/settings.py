@@ -3,6 +3,7 @@
 import math
 import tomllib
 from pathlib import Path
+from typing import Literal
 
 import msgspec
 from msgspec.structs import force_setattr
@@ -207,13 +208,16 @@ class RobotSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
         direction in rad, counter-clockwise from above.
     tag_height : float
         Height of the tag over the floor in m, above the wheels.
+    commanded_by : "velocity" or "torque"
+        What is commanded: speeds that the motors follow; or accelerations, which become torques of
+        the wheels by the nominal inertia (`parkproof.lab.world.inertia.nominal_drive`).
     motor_gains : two floats
-        What the left and the right wheel make of a speed: true over commanded.
+        What the left and the right wheel make of a speed or torque: true over commanded.
     gain_error : float
         Known bound: each motor gain lies in [1 − gain_error, 1 + gain_error].
     dead_band : float
         A wheel whose speed (commanded times gain) is below this, in rad/s, does not turn; above, it
-        turns as it is told (a threshold, not an offset).
+        turns as it is told (a threshold, not an offset). Commanded by torque, it has none.
     friction_torque : float
         Dry friction of each wheel's gear in N m.
     torque_limit : float
@@ -221,7 +225,7 @@ class RobotSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     wheel_speed_limit : float
         Largest speed of a wheel in rad/s.
     servo_time : float
-        Time constant in s with which a wheel follows its command.
+        Time constant in s with which a wheel's speed, or its torque, follows its command.
     speed, turn_rate, acceleration, turn_acceleration : float
         What the robot's maker allows to command: m/s, rad/s, m/s², rad/s².
 
@@ -248,6 +252,7 @@ class RobotSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     tag_offset: tuple[float, float] = (0.0, 0.0)
     tag_angle: float = 0.0
     tag_height: float = 0.09
+    commanded_by: Literal["velocity", "torque"] = "velocity"
     motor_gains: tuple[float, float] = (1.0, 1.0)
     gain_error: float = 0.3
     dead_band: float = 0.0
@@ -341,7 +346,8 @@ class RobotSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 
     def limits(self) -> RobotLimits:
         """What the robot's maker knows: limits, and speeds that the dead-band may swallow."""
-        least = self.dead_band * self.wheel_radius / (1.0 - self.gain_error)
+        dead_band = self.dead_band if self.commanded_by == "velocity" else 0.0
+        least = dead_band * self.wheel_radius / (1.0 - self.gain_error)
         return RobotLimits(
             speed=self.speed,
             turn_rate=self.turn_rate,

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from parkproof.errors import InputError
 from parkproof.lab.devices import Frame, Image, Missing, RobotLimits, RobotSilentError
+from parkproof.lab.world.accelerated import WorldAcceleratedRobot
 from parkproof.lab.world.model import world_model
 from parkproof.lab.world.opengl import load_mujoco
 from parkproof.lab.world.physics import Physics
@@ -42,7 +43,7 @@ class Truth(NamedTuple):
     v, omega : float
         Speed along the heading in m/s and turn rate in rad/s.
     commanded_v, commanded_omega : float
-        The command in force.
+        The command in force; accelerations of a robot that takes those, 0 while it brakes.
     in_view : bool
         Whether the whole black square of the tag is in the picture.
 
@@ -91,8 +92,8 @@ class World:
         As given.
     camera : WorldCamera
         Its camera.
-    robot : WorldRobot
-        Its robot.
+    robot : WorldRobot or WorldAcceleratedRobot
+        Its robot, by what it is commanded.
     clock : WorldClock
         Reads simulated time.
     to_pixels : Homography
@@ -137,7 +138,11 @@ class World:
         self._states: list[NDArray[np.float64]] = []
         self._pending: deque[_Exposure] = deque()
         self.camera = WorldCamera(self)
-        self.robot = WorldRobot(self)
+        self.robot: WorldRobot | WorldAcceleratedRobot = (
+            WorldRobot(self)
+            if settings.robot.commanded_by == "velocity"
+            else WorldAcceleratedRobot(self)
+        )
         self.clock = WorldClock(self)
 
     def __enter__(self) -> Self:
@@ -201,6 +206,22 @@ class World:
         """
         self._command = finite("v", v), finite("omega", omega)
         self._physics.command(*self._command)
+
+    def accelerate(self, v_dot: float, omega_dot: float) -> None:
+        """Accelerate the robot, until told else (`WorldAcceleratedRobot.accelerate`).
+
+        Parameters
+        ----------
+        v_dot, omega_dot : float
+            Acceleration in m/s² and rad/s².
+        """
+        self._command = finite("v_dot", v_dot), finite("omega_dot", omega_dot)
+        self._physics.accelerate(*self._command)
+
+    def brake(self) -> None:
+        """Have a robot that takes accelerations brake (`WorldAcceleratedRobot.stop`)."""
+        self._command = (0.0, 0.0)
+        self._physics.brake()
 
     def advance(self, duration: float) -> None:
         """Let time pass; frames are taken meanwhile.
