@@ -184,6 +184,14 @@ def test_of_mirrored_starts_the_direction_left_out_has_no_better_bounds(ways):
     assert max(first.tau) <= max(other.tau)
 
 
+def test_gains_beyond_those_that_a_law_takes_make_no_candidate():
+    spec = spec_with("paper")
+    link = {"k": (1.0, 1.0), "s": (0.0, 0.0), "rate": 1.0, "sizes": (1.0,) * 4}
+    form = ThreeChainForm("9/13", (1.0, 2.3, 3e6), link)
+    engine = ShapeSearch(spec, *two_chain_forms(spec)).engine(form, "toward")
+    assert engine.candidate(Knobs(0.05, 6.0, 1.0, 1.0)) is None
+
+
 def test_a_faster_return_costs_input():
     spec = spec_with()
     engine = HomogeneousEngine(spec, *two_chain_forms(spec), "toward")

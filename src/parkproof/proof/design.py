@@ -238,7 +238,8 @@ def _homogeneous(
     """Search the candidates of the homogeneous law in the best direction; give that engine."""
     spec = found.spec
     ways = [HomogeneousEngine(spec, hold, back, way) for way in directions_of(spec)]
-    progress("homogeneous engine", 0.0)
+    if len(ways) > 1:
+        progress("homogeneous engine: directions of travel", 0.0)
     searches = [KnobSearch(engine, spec, found.looked_at) for engine in ways]
     best = _best_way(found, searches, min(COARSE, sweep))
     _search(found, best, sweep, steps, progress)

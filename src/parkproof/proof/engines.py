@@ -12,6 +12,7 @@ from typing import Literal, Protocol
 
 from msgspec.structs import replace
 
+from parkproof.errors import InputError
 from parkproof.laws.gains import Gains, Switching
 from parkproof.proof.candidates import MARGIN, Candidate, Knobs
 from parkproof.proof.checker.balls import up
@@ -198,7 +199,10 @@ class PaperEngine(_Common):
         """The candidate with these numbers, or None if it has no proof."""
         gains, switching, hold, back = self.gains(knobs)
         l, link = self.approach.scaled(knobs.approach, gains.runup_speed)  # noqa: E741
-        whole = replace(gains, l=l, q1=self.approach.q)
+        try:
+            whole = replace(gains, l=l, q1=self.approach.q)
+        except InputError:  # gains beyond those that a law takes
+            return None
         return self.finished("corrected", whole, switching, Links(link, hold, back))
 
 

@@ -18,8 +18,8 @@ def check_feasible(spec: Spec) -> None:
     Raises
     ------
     InputError
-        If an input does not dominate its disturbance, or a start lies outside the view or moves
-        faster than allowed.
+        If an input does not dominate its disturbance, or a start or the goal lies outside the
+        view, or a start moves faster than allowed.
 
     Examples
     --------
@@ -46,6 +46,11 @@ def check_feasible(spec: Spec) -> None:
             raise InputError(
                 f"limits.view = {list(limits.view)}: starts reach from ({x[0]:g}, {y[0]:g}) to "
                 f"({x[1]:g}, {y[1]:g}); widen the view or narrow [starts]"
+            )
+        if max(low, below) > 0.0 or min(high, above) < 0.0:
+            raise InputError(
+                f"limits.view = {list(limits.view)}: the goal (0, 0), where the robot parks, lies "
+                "outside; widen the view"
             )
     forward = max(abs(end) for end in ranges.get("u0") or ranges["v"])
     turning = max(abs(end) for end in ranges.get("u1") or ranges["omega"])
