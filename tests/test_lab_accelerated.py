@@ -259,7 +259,19 @@ def test_a_replay_gives_the_same_accelerations(made):
     assert found.commands > 100
 
 
-def test_a_replay_that_brakes_harder_gives_other_accelerations(made, monkeypatch):
+def test_other_tools_find_the_accelerations_in_the_recording(made):
+    from mcap.reader import make_reader
+    from mcap_ros2.decoder import DecoderFactory
+
+    with (made / "run.mcap").open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        messages = reader.iter_decoded_messages(topics=["/robot/cmd_accel"])
+        found = [decoded.accel.linear.x for *_, decoded in messages]
+    assert len(found) > 50
+    assert max(found) == 1.0  # the run-up
+
+
+def test_a_replay_that_keeps_more_room_gives_other_accelerations(made, monkeypatch):
     monkeypatch.setattr("parkproof.lab.accelerated_pilot.HEADROOM", 0.3)
     assert not replayed(made / "run.mcap").same
 

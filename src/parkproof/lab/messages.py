@@ -18,6 +18,8 @@ _DEFINITIONS = {
     "geometry_msgs/msg/PoseStamped": "std_msgs/Header header\nPose pose",
     "geometry_msgs/msg/Twist": "Vector3 linear\nVector3 angular",
     "geometry_msgs/msg/TwistStamped": "std_msgs/Header header\nTwist twist",
+    "geometry_msgs/msg/Accel": "Vector3 linear\nVector3 angular",
+    "geometry_msgs/msg/AccelStamped": "std_msgs/Header header\nAccel accel",
     "diagnostic_msgs/msg/KeyValue": "string key\nstring value",
     "diagnostic_msgs/msg/DiagnosticStatus": (
         "byte OK=0\nbyte WARN=1\nbyte ERROR=2\nbyte STALE=3\n"

@@ -54,7 +54,7 @@ class Recording:
     >>> recording.settings, recording.whole
     ({'tag': 7}, True)
     >>> recording.commands()
-    [Commanded(t=0.07, v=0.1, omega=0.0, step=1)]
+    [Commanded(t=0.07, v=0.1, omega=0.0, step=1, accelerations=None)]
     >>> camera, clock = recording.replay()
     >>> camera.read(0.1).number, clock.now(), clock.now()
     (0, 0.066, 0.07)

@@ -38,6 +38,7 @@ MEASURED = "/robot/image_pose"
 ESTIMATE = "/robot/estimate"
 PREDICTION = "/robot/prediction"
 COMMAND = "/robot/cmd_vel"
+ACCELERATION = "/robot/cmd_accel"
 STEP = "/robot/step"
 DIAGNOSTICS = "/diagnostics"
 
@@ -49,6 +50,7 @@ TOPICS = {
     ESTIMATE: "geometry_msgs/msg/PoseStamped",
     PREDICTION: "geometry_msgs/msg/PoseStamped",
     COMMAND: "geometry_msgs/msg/TwistStamped",
+    ACCELERATION: "geometry_msgs/msg/AccelStamped",
     STEP: "std_msgs/msg/Int32",
     DIAGNOSTICS: "diagnostic_msgs/msg/DiagnosticArray",
 }
@@ -209,6 +211,11 @@ class RunFile:
         twist = {"linear": {"x": entry.v}, "angular": {"z": entry.omega}}
         message = {"header": self._header(entry.t, "robot"), "twist": twist}
         self._write(COMMAND, message, sequence, now)
+        if entry.accelerations is not None:
+            v_dot, omega_dot = entry.accelerations
+            accel = {"linear": {"x": v_dot}, "angular": {"z": omega_dot}}
+            message = {"header": self._header(entry.t, "robot"), "accel": accel}
+            self._write(ACCELERATION, message, sequence, now)
         self._write(STEP, {"data": entry.step}, sequence, now)
         if entry.step != self._step:
             self._step = entry.step

@@ -54,7 +54,7 @@ class Sample(msgspec.Struct, frozen=True, kw_only=True):
     beta : float
         Gain of the turn rate in the goal's image frame, positive.
     tau : tuple of 2 floats
-        Inputs of a torque-commanded robot; NaN for one that takes velocities.
+        Inputs of a torque-commanded robot; NaN where they are not kept.
     """
 
     t: float
