@@ -248,8 +248,8 @@ def test_the_command_teaches_from_a_picture(
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ([], "either --image FILE or --camera SOURCE"),
-        (["--image", "a.png", "--camera", "0"], "either --image FILE or --camera"),
+        ([], "one of --image FILE, --camera SOURCE"),
+        (["--image", "a.png", "--camera", "0"], "one of --image FILE"),
         (["--image", "none.png"], "cannot read none.png: No such file"),
         (["--image", "broken.png"], "a damaged"),
         (["--image", "half.png"], "a damaged"),

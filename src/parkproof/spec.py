@@ -223,7 +223,7 @@ class Spec(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
         ):
             if min(values) < LEAST or max(values) > LARGEST:
                 raise InputError(
-                    f"{name} = {getattr(known, name)}: must lie between {LEAST:g} and "
+                    f"[bounds] {name} = {getattr(known, name)}: must lie between {LEAST:g} and "
                     f"{LARGEST:g}; scale the units"
                 )
         limits = self.limits

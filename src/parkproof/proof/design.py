@@ -163,9 +163,9 @@ def design(
     ctx.prec = PRECISION
     check_feasible(spec)
     found = Design(spec)
-    hold, back = two_chain_forms(spec, lambda text: progress(text, 0.0))
     engine = None
     try:
+        hold, back = two_chain_forms(spec, lambda text: progress(text, 0.0))
         if spec.design.engine != "paper":
             engine = _homogeneous(found, hold, back, sweep, steps, progress)
         if spec.design.engine != "homogeneous":
