@@ -4,8 +4,10 @@ A chunk is a pure function of the campaign and its range, so that it does not ma
 carries it out, or how often. Only this process writes.
 """
 
+import logging
 import time
 from collections.abc import Iterator, Sequence
+from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
@@ -71,6 +73,8 @@ def connected(address: str) -> "Iterator[Client]":
     require("distributed", extra="cluster", purpose="parkproof campaign --scheduler")
     from distributed import Client
 
+    for name in ("distributed", "distributed.client"):  # one sentence says it, not their log
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
         client = Client(address, timeout=CONNECTING, set_as_default=False)
     except (OSError, TimeoutError, ValueError) as error:
@@ -167,7 +171,10 @@ class _Work:
         """Threads of all workers; raises if the scheduler is lost, or has had none for long."""
         if self._client.status != "running":
             raise self._lost()
-        workers = self._client.scheduler_info(n_workers=-1)["workers"]
+        try:
+            workers = self._client.scheduler_info(n_workers=-1)["workers"]
+        except (OSError, TimeoutError) as error:
+            raise self._lost() from error
         if workers:
             self._alone_since = None
             return sum(int(worker["nthreads"]) for worker in workers.values())
@@ -188,8 +195,8 @@ class _Work:
         if future.status == "finished":
             try:
                 return bytes(future.result(timeout=PATIENCE))
-            except (OSError, TimeoutError):
-                return None
+            except (OSError, TimeoutError, CancelledError, KilledWorker):
+                return None  # its worker died with the rows
         if future.status in {"cancelled", "lost"}:
             if self._client.status != "running":
                 raise self._lost()
