@@ -163,14 +163,14 @@ def test_an_interrupted_campaign_says_how_to_go_on_and_loses_nothing(
         if len(self.written) == 3:
             signal.raise_signal(signal.SIGINT)
 
-    monkeypatch.setattr(CampaignDirectory, "add", add_and_stop)
-    assert main(given) == 130
+    with monkeypatch.context() as patch:
+        patch.setattr(CampaignDirectory, "add", add_and_stop)
+        assert main(given) == 130
     error = capsys.readouterr().err
     assert "stopped by Ctrl-C; the rows of" in error
     assert "trials are in out; the same command goes on from there" in error
     assert record_of(Path("out"))["finished"] is False
     assert len(names_in("out/trials")) == 3
-    monkeypatch.undo()
     assert main([*given, "--quiet"]) == 0
     assert record_of(Path("out"))["finished"] is True
     assert bits(Path("out")) == bits(reference)
@@ -228,11 +228,11 @@ def test_a_disk_that_fills_is_one_sentence_and_the_rows_stay(
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         fsync(descriptor)
 
-    monkeypatch.setattr(os, "fsync", full)
-    error = refused(capsys, "campaign", "campaign.toml", "--out", "out")
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "fsync", full)
+        error = refused(capsys, "campaign", "campaign.toml", "--out", "out")
     assert "cannot write to out: No space left on device; the rows of" in error
     assert "make room, and the same command goes on" in error
-    monkeypatch.undo()
     assert list(Path("out/.parts").iterdir()) == []
     assert len(names_in("out/trials")) > 0
     run_campaign(read_campaign(Path("campaign.toml")), Path("out"))

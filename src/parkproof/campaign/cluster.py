@@ -115,8 +115,7 @@ def on_cluster(text: str, chunks: Sequence[Range], client: "Client", address: st
 
     Examples
     --------
-    >>> list(on_cluster("", [], None, ""))
-    []
+    See `parkproof.campaign.run.run_campaign`.
     """
     yield from _Work(client, address, text).results(chunks)
 

@@ -53,8 +53,7 @@ def rows_of(
 
     Examples
     --------
-    >>> rows_of(prepared, 0, 4)["outcome"].to_pylist()
-    ['parked', 'parked', 'parked', 'parked']
+    See `parkproof.campaign.run.run_campaign`.
     """
     import pyarrow as pa
 
