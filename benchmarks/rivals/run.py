@@ -1,0 +1,198 @@
+"""Parkproof's lanes against what people would use for the same work: one table, one run, one core.
+
+Run it from the repository root::
+
+    python benchmarks/rivals/run.py
+
+Rivals that are not installed are named with what to install. The exit status is 1 if one of them
+does not find Parkproof's settling times, as it would then not do the same work.
+"""
+
+import argparse
+import importlib
+import os
+import platform
+import statistics
+import sys
+import time
+from collections.abc import Callable
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from parkproof_lanes import prepare as prepare_lanes
+from parkproof_plain import by_euler
+from work import DURATION, Found, Work, make_work
+
+CHECKED = 3
+"""Trials whose settling times are compared."""
+
+SPREAD = 0.02
+"""Largest relative difference of the maxima: rivals must keep them, but need not round alike."""
+
+
+class Rival(NamedTuple):
+    """One row of the table: its module here, its trials at a time, and what to install."""
+
+    name: str
+    module: str
+    trials: int
+    packages: tuple[str, ...]
+    euler: bool
+    leaves_out: str
+
+
+LEFT_OUT = "the turn, a second choice of direction, other metrics"
+
+RIVALS = (
+    Rival("diffrax, Euler steps, vmap, jit", "diffrax_lanes", 1024, ("diffrax", "jax"), True,
+          LEFT_OUT),
+    Rival("numba, scalar, libm", "numba_scalar", 256, ("numba",), True, LEFT_OUT),
+    Rival("numpy over lanes", "numpy_lanes", 2048, ("numpy",), True, LEFT_OUT),
+    Rival("Drake LeafSystem in Python", "drake_system", 1, ("drake",), True,
+          f"{LEFT_OUT}; a diagram of plant and controller"),
+    Rival("python-control, discrete nonlinear system", "control_system", 1, ("control",), True,
+          f"{LEFT_OUT}; systems for plant and controller"),
+    Rival("scipy solve_ivp per sample", "scipy_samples", 1, ("scipy",), False, LEFT_OUT),
+    Rival("Parkproof's plain reference, `simulate`", "parkproof_plain", 1, ("parkproof",), False,
+          "nothing; it keeps every sample"),
+)  # fmt: skip
+
+
+class Measured(NamedTuple):
+    """A rival ready to be timed, and how well it agrees."""
+
+    rival: Rival
+    run: Callable[[], Found]
+    agreement: str
+    agrees: bool
+
+
+def arguments() -> argparse.Namespace:
+    """What was asked for."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--rounds", type=int, default=5, help="repetitions, of which medians")
+    names = [rival.module for rival in RIVALS]
+    parser.add_argument("--only", nargs="+", choices=names, default=names, metavar="RIVAL",
+                        help=f"some of {', '.join(names)}")  # fmt: skip
+    asked = parser.parse_args()
+    if asked.rounds < 1:
+        parser.error(f"--rounds {asked.rounds}: must be at least 1; write --rounds 5")
+    return asked
+
+
+def stay_on_one_core() -> str:
+    """Bind this process, and the threads that rivals will start, to one core."""
+    if not hasattr(os, "sched_setaffinity"):
+        return "not bound to a core, which this system does not offer: rivals may use several"
+    core = max(os.sched_getaffinity(0))
+    os.sched_setaffinity(0, {core})
+    return f"bound to core {core}"
+
+
+def machine() -> str:
+    """Processor and its vector instructions."""
+    info = Path("/proc/cpuinfo")
+    lines = info.read_text(encoding="utf-8").splitlines() if info.exists() else []
+    fields = dict(line.split(":", 1) for line in lines if ":" in line)
+    fields = {name.strip(): value.strip() for name, value in fields.items()}
+    flags = fields.get("flags", "").split()
+    kind = next((kind for kind in ("avx512f", "avx2") if kind in flags), "no AVX2 seen")
+    return f"{fields.get('model name', platform.processor() or platform.machine())} ({kind})"
+
+
+def release(package: str) -> str:
+    """A package's name and version."""
+    try:
+        return f"{package} {version(package)}"
+    except PackageNotFoundError:
+        return package
+
+
+def compare(found: Found, expected: Found, period: float) -> tuple[str, bool]:
+    """How far settling times lie apart, and whether that and the maxima are close enough."""
+    ends, maxima = found.ends[:CHECKED], found.maxima[:CHECKED]
+    apart = float(np.max(np.abs(ends - expected.ends)))
+    spread = float(np.max(np.abs(maxima / expected.maxima - 1.0)))
+    agrees = apart <= 1.001 * period and spread <= SPREAD
+    return f"{'' if agrees else 'NO: '}{1e3 * apart:.0f} ms, {spread:.1g}", agrees
+
+
+def make_ready(rival: Rival, work: Work, expected: dict[bool, Found]) -> Measured | str:
+    """Compile and compare a rival, or say what is missing."""
+    try:
+        module = importlib.import_module(rival.module)
+    except ImportError as error:
+        return (
+            f"{rival.name}: not measured ({error}); to have it, "
+            f"`pip install {' '.join(rival.packages)}`"
+        )
+    checked = module.prepare(work.first(max(CHECKED, rival.trials)))
+    agreement, agrees = compare(checked(), expected[rival.euler], work.period)
+    run = checked if rival.trials >= CHECKED else module.prepare(work.first(rival.trials))
+    return Measured(rival, run, agreement, agrees)
+
+
+def nanoseconds(run: Callable[[], Found], trials: int, samples: int) -> float:
+    """Processor time of one step of one trial, which other programs hardly change."""
+    begin = time.process_time()
+    run()
+    return 1e9 * (time.process_time() - begin) / (trials * samples)
+
+
+def main() -> int:
+    """Time all in turn, round by round, and print the table."""
+    asked = arguments()
+    bound = stay_on_one_core()
+    work = make_work(max(rival.trials for rival in RIVALS))
+    few, ours = work.first(CHECKED), work.first(1024)
+    lanes = prepare_lanes(ours)
+    warm = lanes()
+    expected = {True: by_euler(few), False: Found(*(values[:CHECKED] for values in warm))}
+    chosen = [rival for rival in RIVALS if rival.module in asked.only]
+    ready: list[Measured] = []
+    missing: list[str] = []
+    for rival in chosen:
+        print(f"preparing {rival.name}", file=sys.stderr)
+        made = make_ready(rival, work, expected)
+        (missing if isinstance(made, str) else ready).append(made)  # type: ignore[arg-type]
+    own: list[float] = []
+    theirs: list[list[float]] = [[] for _ in ready]
+    for i in range(asked.rounds):
+        print(f"round {i + 1} of {asked.rounds}", file=sys.stderr)
+        own.append(nanoseconds(lanes, len(ours.ways), work.samples))
+        for one, times in zip(ready, theirs, strict=True):
+            times.append(nanoseconds(one.run, one.rival.trials, work.samples))
+    packages = {name for one in ready for name in one.rival.packages} | {"parkproof", "numba"}
+    print(
+        f"{machine()}, {bound}; Python {platform.python_version()}, "
+        f"{', '.join(release(name) for name in sorted(packages))}. Trials of {DURATION:g} s at "
+        f"{1e3 * work.period:g} ms; processor time, medians of {asked.rounds} rounds, each of "
+        "which times all in turn; ratios are taken round by round.\n"
+    )
+    print("| | ns a lane-step | times Parkproof's (range) | trials | apart | leaves out |")
+    print("| --- | --- | --- | --- | --- | --- |")
+    median = statistics.median(own)
+    print(f"| **Parkproof's lanes**, Runge-Kutta | {median:.3g} | 1 | {len(ours.ways)} | | |")
+    for one, times in zip(ready, theirs, strict=True):
+        ratios = [time / base for time, base in zip(times, own, strict=True)]
+        middle, least, most = statistics.median(ratios), min(ratios), max(ratios)
+        print(
+            f"| {one.rival.name} | {statistics.median(times):,.4g} | "
+            f"{middle:,.3g} ({least:,.3g} to {most:,.3g}) | {one.rival.trials} | "
+            f"{one.agreement} | {one.rival.leaves_out} |"
+        )
+    print(
+        "\nApart: the largest differences, over the first "
+        f"{CHECKED} trials, of the ends of Steps 1 to 3 and (relative) of the largest inputs, "
+        "states and excursion, from Parkproof's lanes where the rival's plant is as exact, else "
+        "from Parkproof's controller with the plant by Euler's method."
+    )
+    for line in missing:
+        print(f"\n{line}.")
+    return 0 if all(one.agrees for one in ready) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
