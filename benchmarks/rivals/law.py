@@ -1,8 +1,8 @@
 """The closed loop once more, as the scalar code that a user of the rivals would write.
 
-It runs as plain Python in Drake, python-control and SciPy, and is compiled by numba. Where Parkproof
-chooses without branches, this goes only where it must: in plain Python and in scalar machine code
-that is the faster form. The turn (Step 0) and a second choice of the direction are left out.
+It runs as plain Python in Drake, python-control and SciPy, and is compiled by numba. It branches
+to what a step needs and nothing more: in plain Python and in scalar machine code that is the faster
+form. The turn (Step 0) and a second choice of the direction are left out.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""Parkproof's reference in plain Python, which keeps every sample; and the same by Euler's method."""
+"""Parkproof's plain Python: the reference run, and the same loop by Euler's method."""
 
 from collections.abc import Callable
 from typing import Any

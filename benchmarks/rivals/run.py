@@ -33,7 +33,11 @@ SPREAD = 0.02
 
 
 class Rival(NamedTuple):
-    """One row of the table: its module here, its trials at a time, and what to install."""
+    """One row of the table: its module here, its trials at a time, and what to install.
+
+    ``euler`` is whether its plant is by Euler's method; ``leaves_out`` is what it leaves out beside
+    what all rivals do.
+    """
 
     name: str
     module: str
@@ -43,20 +47,17 @@ class Rival(NamedTuple):
     leaves_out: str
 
 
-LEFT_OUT = "the turn, a second choice of direction, other metrics"
-
 RIVALS = (
-    Rival("diffrax, Euler steps, vmap, jit", "diffrax_lanes", 1024, ("diffrax", "jax"), True,
-          LEFT_OUT),
-    Rival("numba, scalar, libm", "numba_scalar", 256, ("numba",), True, LEFT_OUT),
-    Rival("numpy over lanes", "numpy_lanes", 2048, ("numpy",), True, LEFT_OUT),
-    Rival("Drake LeafSystem in Python", "drake_system", 1, ("drake",), True,
-          f"{LEFT_OUT}; a diagram of plant and controller"),
-    Rival("python-control, discrete nonlinear system", "control_system", 1, ("control",), True,
-          f"{LEFT_OUT}; systems for plant and controller"),
-    Rival("scipy solve_ivp per sample", "scipy_samples", 1, ("scipy",), False, LEFT_OUT),
-    Rival("Parkproof's plain reference, `simulate`", "parkproof_plain", 1, ("parkproof",), False,
-          "nothing; it keeps every sample"),
+    Rival("diffrax: Euler steps, vmap, jit", "diffrax_lanes", 1024, ("diffrax", "jax"), True, ""),
+    Rival("numba, scalar, with libm", "numba_scalar", 256, ("numba",), True, ""),
+    Rival("numpy over lanes", "numpy_lanes", 2048, ("numpy",), True, ""),
+    Rival("Drake: LeafSystem in Python", "drake_system", 1, ("drake",), True,
+          "a diagram of plant and controller"),
+    Rival("python-control: discrete nonlinear system", "control_system", 1, ("control",), True,
+          "separate plant and controller"),
+    Rival("scipy: solve_ivp per sample", "scipy_samples", 1, ("scipy",), False, ""),
+    Rival("Parkproof's plain reference, simulate()", "parkproof_plain", 1, ("parkproof",), False,
+          "nothing, and keeps every sample"),
 )  # fmt: skip
 
 
@@ -82,13 +83,12 @@ def arguments() -> argparse.Namespace:
     return asked
 
 
-def stay_on_one_core() -> str:
+def stay_on_one_core() -> None:
     """Bind this process, and the threads that rivals will start, to one core."""
-    if not hasattr(os, "sched_setaffinity"):
-        return "not bound to a core, which this system does not offer: rivals may use several"
-    core = max(os.sched_getaffinity(0))
-    os.sched_setaffinity(0, {core})
-    return f"bound to core {core}"
+    if hasattr(os, "sched_setaffinity"):
+        os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+    else:
+        print("this system binds no process to a core: rivals may use several", file=sys.stderr)
 
 
 def machine() -> str:
@@ -141,10 +141,49 @@ def nanoseconds(run: Callable[[], Found], trials: int, samples: int) -> float:
     return 1e9 * (time.process_time() - begin) / (trials * samples)
 
 
+def number(value: float) -> str:
+    """Three digits, or all of a large number."""
+    return f"{value:.3g}" if value < 1000 else f"{float(f'{value:.3g}'):,.0f}"
+
+
+def print_table(
+    work: Work, trials: int, own: list[float], rows: list[tuple[Measured, list[float]]]
+) -> None:
+    """Print the table, with what must be known to read it."""
+    packages = {name for one, _ in rows for name in one.rival.packages} | {"parkproof", "numba"}
+    print(
+        f"Trials of {DURATION:g} s at {1e3 * work.period:g} ms, one core. Processor time, medians "
+        f"of {len(own)} rounds, each of which times all in turn; ratios are taken round by round.\n"
+        "\n| | ns a lane-step | times Parkproof's (range) | trials at a time | apart | "
+        "leaves out, too |\n| --- | --- | --- | --- | --- | --- |"
+    )
+    print(f"| **Parkproof's lanes** | {number(statistics.median(own))} | 1 | {trials} | | |")
+    for one, times in rows:
+        ratios = [time / base for time, base in zip(times, own, strict=True)]
+        print(
+            f"| {one.rival.name} | {number(statistics.median(times))} | "
+            f"{number(statistics.median(ratios))} ({number(min(ratios))} to {number(max(ratios))}) "
+            f"| {one.rival.trials} | {one.agreement} | {one.rival.leaves_out} |"
+        )
+    print(
+        "\nTo their advantage, rivals leave out the turn, a second choice of the direction of "
+        "travel, limits, ends of a run, and metrics other than the ends of steps and eight maxima; "
+        "their plant is by Euler's method (SciPy's its own), Parkproof's by Runge and Kutta's. "
+        f"Apart: the largest differences, over the first {CHECKED} trials, of the ends of Steps 1 "
+        "to 3, and (relative) of the largest inputs, states and excursion, from Parkproof's "
+        "controller with the plant by Euler's method or, where a plant is more exact, from "
+        "Parkproof's lanes."
+    )
+    print(
+        f"\nMeasured on: {machine()}; Python {platform.python_version()}, "
+        f"{', '.join(release(name) for name in sorted(packages))}."
+    )
+
+
 def main() -> int:
     """Time all in turn, round by round, and print the table."""
     asked = arguments()
-    bound = stay_on_one_core()
+    stay_on_one_core()
     work = make_work(max(rival.trials for rival in RIVALS))
     few, ours = work.first(CHECKED), work.first(1024)
     lanes = prepare_lanes(ours)
@@ -164,31 +203,7 @@ def main() -> int:
         own.append(nanoseconds(lanes, len(ours.ways), work.samples))
         for one, times in zip(ready, theirs, strict=True):
             times.append(nanoseconds(one.run, one.rival.trials, work.samples))
-    packages = {name for one in ready for name in one.rival.packages} | {"parkproof", "numba"}
-    print(
-        f"{machine()}, {bound}; Python {platform.python_version()}, "
-        f"{', '.join(release(name) for name in sorted(packages))}. Trials of {DURATION:g} s at "
-        f"{1e3 * work.period:g} ms; processor time, medians of {asked.rounds} rounds, each of "
-        "which times all in turn; ratios are taken round by round.\n"
-    )
-    print("| | ns a lane-step | times Parkproof's (range) | trials | apart | leaves out |")
-    print("| --- | --- | --- | --- | --- | --- |")
-    median = statistics.median(own)
-    print(f"| **Parkproof's lanes**, Runge-Kutta | {median:.3g} | 1 | {len(ours.ways)} | | |")
-    for one, times in zip(ready, theirs, strict=True):
-        ratios = [time / base for time, base in zip(times, own, strict=True)]
-        middle, least, most = statistics.median(ratios), min(ratios), max(ratios)
-        print(
-            f"| {one.rival.name} | {statistics.median(times):,.4g} | "
-            f"{middle:,.3g} ({least:,.3g} to {most:,.3g}) | {one.rival.trials} | "
-            f"{one.agreement} | {one.rival.leaves_out} |"
-        )
-    print(
-        "\nApart: the largest differences, over the first "
-        f"{CHECKED} trials, of the ends of Steps 1 to 3 and (relative) of the largest inputs, "
-        "states and excursion, from Parkproof's lanes where the rival's plant is as exact, else "
-        "from Parkproof's controller with the plant by Euler's method."
-    )
+    print_table(work, len(ours.ways), own, list(zip(ready, theirs, strict=True)))
     for line in missing:
         print(f"\n{line}.")
     return 0 if all(one.agrees for one in ready) else 1
