@@ -53,16 +53,12 @@ def rows_of(
 
     Examples
     --------
-    >>> rows_of(prepared, 0, 4)["outcome"].to_pylist()
-    ['parked', 'parked', 'parked', 'parked']
+    See `parkproof.campaign.run.run_campaign`.
     """
     import pyarrow as pa
 
     drawn = drawn_values(prepared.campaign, begin, end)
-    values = {
-        q.key: np.array(values_of(q), dtype=float)[drawn[q.key]] if values_of(q) else drawn[q.key]
-        for q in prepared.side_by_side
-    }
+    values = prepared.numbers_of(drawn)
     numbers = np.arange(begin, end)
     sizes = [len(values_of(quantity)) for quantity in prepared.splitting]
     chosen = tuple(drawn[quantity.key] for quantity in prepared.splitting)
@@ -75,7 +71,7 @@ def rows_of(
             if stopped():
                 raise GivenUpError
             piece = members[first : first + PIECE]
-            side_by_side = {q.place: values[q.key][piece] for q in prepared.side_by_side}
+            side_by_side = {place: found[piece] for place, found in values.items()}
             trials = trials_from(scenario, side_by_side, numbers[piece].tolist())
             for name, found in simulate_trials(scenario, trials).items():
                 kind = object if name == "outcome" else float

@@ -55,10 +55,10 @@ def campaign(
 
     Examples
     --------
-    >>> campaign(Path("campaign.toml"), settings=["run.control_period=0.01"], trials=64)
-    Trials    64 of 64
+    >>> campaign(Path("campaign.toml"), trials=0)
+    Traceback (most recent call last):
     ...
-    0
+    parkproof.errors.InputError: campaign.toml with --set trials=0: trials = 0: a campaign needs ...
     """
     from parkproof.campaign.definition import read_campaign
     from parkproof.campaign.run import run_campaign
