@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from html import escape
 from string import Template
 
+from parkproof.report.deciders import Decider
 from parkproof.report.distributions import LEVELS, METRICS, SETTLING, Metric, Spread
 from parkproof.report.html import STYLE_SHEET, number_text, picture
 from parkproof.report.success import Success
@@ -31,6 +32,7 @@ $style
 .wide { overflow-x: auto; }
 .grid { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 380px), 1fr));
   gap: 0.8rem; }
+.single { max-width: 760px; }
 code { font-family: ui-monospace, "DejaVu Sans Mono", monospace; font-size: 0.88em;
   overflow-wrap: anywhere; }
 @media (max-width: 600px) { body { padding: 0.8rem; } th, td { padding: 0.35rem 0.4rem; } }
@@ -211,7 +213,7 @@ def percentages(found: Success) -> tuple[str, str, str]:
     Examples
     --------
     >>> percentages(Success(parked=999, trials=1000, low=0.99444, high=0.99997, confidence=0.95))
-    ('99.9', '99.4', '100.0')
+    ('99.90', '99.44', '100.00')
     """
     width = 100.0 * (found.high - found.low)
     digits = min(max(1, 1 - math.floor(math.log10(width))), 8) if width > 0.0 else 8
@@ -322,7 +324,7 @@ def settling_section(
     caption = f"Time until parked of the {spread.count:,} trials that parked"
     return (
         "<h2>Time until parked</h2>"
-        + picture(drawing, caption, kind="svg")
+        + f'<div class="single">{picture(drawing, caption, kind="svg")}</div>'
         + spreads_table({SETTLING: spread}, proven, heading.trials)
         + _source(heading, heading.trials)
     )
@@ -411,25 +413,6 @@ def metrics_section(
     )
 
 
-@dataclass(frozen=True)
-class Decider:
-    """What decides one output, or why that cannot be said.
-
-    Attributes
-    ----------
-    question : str
-        What the output is, in plain text.
-    answer : str
-        In plain text.
-    drawing : bytes or None
-        Bars, SVG.
-    """
-
-    question: str
-    answer: str
-    drawing: bytes | None = None
-
-
 def sensitivity_section(heading: Heading, found: Sequence[Decider], *, trials: int) -> str:
     """Which uncertainty matters most.
 
@@ -458,7 +441,8 @@ def sensitivity_section(heading: Heading, found: Sequence[Decider], *, trials: i
     explained = (
         "<p>Sobol' indices: the share of an output's variance that a drawn quantity accounts for "
         "alone (first order), and together with all others (total). Lines: 95 % intervals, from "
-        "400 resamples. What was drawn is taken as independent.</p>"
+        "400 resamples. A trial that does not park counts with the duration of the run, and a "
+        "distance with its logarithm.</p>"
         if trials
         else ""
     )

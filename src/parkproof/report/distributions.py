@@ -172,7 +172,7 @@ def histogram(
     bound : float, optional
         What is proved of the others: a line.
     wide : bool
-        Across the whole page.
+        A little larger.
 
     Returns
     -------
@@ -186,7 +186,7 @@ def histogram(
     """
     known = np.isfinite(values)
     with drawing():
-        figure = new_figure(9.6 if wide else 4.8, 3.3 if wide else 2.9)
+        figure = new_figure(5.8 if wide else 4.8, 3.3 if wide else 2.9)
         width, height = figure.get_size_inches()
         axes = figure.add_axes(
             (0.62 / width, 0.52 / height, 1.0 - 0.78 / width, 1.0 - 0.86 / height)
@@ -210,7 +210,7 @@ def _bars(axes: "Axes", values: Floats, apart: Flags | None) -> None:
     groups = [(clipped, BLUE, "trials")]
     if apart is not None and apart.any():
         groups = [
-            (clipped[~apart], BLUE, "trials within the certificate's assumptions"),
+            (clipped[~apart], BLUE, "certified trials"),
             (clipped[apart], GREY, "other trials"),
         ]
     below = np.zeros(len(edges) - 1)
@@ -249,7 +249,7 @@ def _legend(figure: "Figure", axes: "Axes") -> None:
     if len(handles) > 1:
         figure.legend(
             handles, labels, loc="upper right", bbox_to_anchor=(1.0, 1.0), ncols=3,
-            handlelength=1.0, columnspacing=1.2, labelcolor=INK, fontsize=8.0,
+            handlelength=1.0, columnspacing=1.0, labelcolor=INK, fontsize=8.0,
         )  # fmt: skip
 
 

@@ -49,14 +49,14 @@ def sensitivity_bars(found: Sensitivity, output: int) -> bytes:
     names = [found.inputs[i] for i in shown]
     with drawing():
         margin = 0.35 + 0.066 * max(map(len, names))
-        width, height = max(5.6, margin + 3.2), 0.95 + ROW * len(shown)
+        width, height = max(4.8, margin + 2.2), 0.95 + ROW * len(shown)
         figure = new_figure(width, height)
         axes = figure.add_axes(
             (margin / width, 0.5 / height, 1.0 - (margin + 0.2) / width, 1.0 - 0.85 / height)
         )
         place = np.arange(len(shown))
         for values, ends, shift, colour, label in (
-            (found.total, found.total_range, 0.2, GREY, "together with others (total)"),
+            (found.total, found.total_range, 0.2, GREY, "with others (total)"),
             (found.first, found.first_range, -0.2, BLUE, "alone (first order)"),
         ):
             size = values[output, shown]

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from parkproof.report.measured import Compared, proven_numbers
-from parkproof.report.trial_table import OUTCOMES, PARKED, TrialTable
-from parkproof.simulation.outcome import Outcome
+from parkproof.report.trial_table import PARKED, TrialTable
 
 Flags = NDArray[np.bool_]
 
@@ -63,8 +62,7 @@ def against_proof(
     table: TrialTable,
     outside: dict[str, Flags],
     *,
-    duration: float,
-    tighter: set[Outcome],
+    long_enough: Flags,
 ) -> AgainstProof:
     """Compare every trial that a certificate speaks of with every number that is proved.
 
@@ -79,10 +77,8 @@ def against_proof(
         The trials.
     outside : dict of str to array of bool
         Which trials break which assumption, in the order of the table.
-    duration : float
-        Of a trial in s; one shorter than the proven time need not park.
-    tighter : set of Outcome
-        Limits that a certified run may reach; a trial that ended there is outside, too.
+    long_enough : array of bool
+        Which trials last as long as the proven time; others need not park.
 
     Returns
     -------
@@ -90,16 +86,14 @@ def against_proof(
         The comparison.
     """
     codes = table.outcomes
-    ended = np.isin(codes, [OUTCOMES.index(outcome) for outcome in tighter])
-    reasons = outside | {"ended at a limit tighter than what is proved": ended}
-    covered = ~np.logical_or.reduce([np.zeros(len(table), dtype=bool), *reasons.values()])
+    covered = ~np.logical_or.reduce([np.zeros(len(table), dtype=bool), *outside.values()])
     broken = np.zeros(len(table), dtype=bool)
     numbers = proven_numbers(certificate["claim"])
     worst = []
     for one in numbers:
         sizes = one.sizes(table.column(one.column))
         if one.name == "total_time":
-            sizes = _times(sizes, codes, duration >= one.bound)
+            sizes = _times(sizes, codes, long_enough)
         broken |= covered & (sizes > one.bound)
         worst.append(float(np.fmax.reduce(sizes[covered], initial=-math.inf)))
     rows = np.flatnonzero(broken)
@@ -111,19 +105,19 @@ def against_proof(
         if covered.any()
         else (),
         covered=covered,
-        outside={reason: int(flags.sum()) for reason, flags in reasons.items() if flags.any()},
+        outside={reason: int(flags.sum()) for reason, flags in outside.items() if flags.any()},
         violating=len(rows),
-        named=_named(certificate, table, order, duration),
+        named=_named(certificate, table, order, long_enough[order]),
     )
 
 
-def _times(total: NDArray[np.float64], codes: NDArray[np.int8], judged: bool) -> Any:
+def _times(total: NDArray[np.float64], codes: NDArray[np.int8], long_enough: Flags) -> Any:
     """Times until parked; infinite where a trial that was long enough did not park."""
-    return np.where(codes == PARKED, total, math.inf if judged else math.nan)
+    return np.where(codes == PARKED, total, np.where(long_enough, math.inf, math.nan))
 
 
 def _named(
-    certificate: dict[str, Any], table: TrialTable, rows: NDArray[np.intp], duration: float
+    certificate: dict[str, Any], table: TrialTable, rows: NDArray[np.intp], long_enough: Flags
 ) -> tuple[Violation, ...]:
     """What a few trials break."""
     if not rows.size:
@@ -133,7 +127,7 @@ def _named(
     for one in proven_numbers(certificate["claim"]):
         sizes = one.sizes(table.column(one.column)[rows])
         if one.name == "total_time":
-            sizes = _times(sizes, codes, duration >= one.bound)
+            sizes = _times(sizes, codes, long_enough)
         for broken, size in zip(found, sizes.tolist(), strict=True):
             if size > one.bound:
                 broken.append(Compared(one.name, one.bound, size))
