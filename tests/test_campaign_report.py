@@ -265,7 +265,10 @@ def test_a_chained_start_is_held_against_a_box_of_poses(certificate):
         ({}, None),
         ({"k": (2.0, 9.0), "hold": (2.0, 9.0)}, "other gains or other switching (hold, k)"),
         ({"return_steering": True}, "return_steering"),
-        ({"bounds": Bounds(alpha=(0.9, 1.1), gamma=(1.0, 1.2), disturbance=0.6)}, "disturbance"),
+        ({"bounds": Bounds(alpha=(0.9, 1.1), gamma=(1.0, 1.2), disturbance=0.6)}, "bounds of φ"),
+        ({"bounds": Bounds(gamma=(1.0, 2.0), disturbance=0.5)}, None),
+        ({"bounds": Bounds(gamma=(0.9, 1.2), disturbance=0.5)}, "lowest γ"),
+        ({"to_step3": 20.0}, "at a given time"),
         ({"run": RunSettings(noise=1e-3)}, "noise"),
         ({"run": RunSettings(latency=0.01)}, "latency"),
         ({"robot": Robot(kind="torque")}, 'robot.kind = "torque"'),
@@ -276,6 +279,9 @@ def test_what_all_trials_share_is_held_against_the_certificate(certificate, chan
     gains = {name: changes[name] for name in ("k", "hold", "return_steering") if name in changes}
     shared = {"law": "corrected", "bounds": KNOWN, "switching": switching_of(certificate)}
     shared |= {name: value for name, value in changes.items() if name not in gains}
+    if "to_step3" in shared:
+        time = shared.pop("to_step3")
+        shared["switching"] = msgspec.structs.replace(shared["switching"], to_step3=time)
     own = other_than_certified(
         certificate,
         Scenario(
