@@ -21,7 +21,7 @@ from parkproof.campaign.ensembles import ensembles
 from parkproof.campaign.prepare import prepare
 from parkproof.campaign.run import run_campaign
 from parkproof.errors import InputError
-from parkproof.laws.gains import Gains
+from parkproof.laws.gains import Gains, Switching
 from parkproof.model.signals import Sine
 from parkproof.model.truth import Truth
 from parkproof.proof.checker.certificate import digest_of
@@ -29,22 +29,35 @@ from parkproof.proof.whole_run import certify
 from parkproof.report.campaign import write_report
 from parkproof.report.campaign_coverage import TIGHTER, coverage_of
 from parkproof.report.campaign_study import drawn_keys, study_of
-from parkproof.report.measured import gains_of, switching_of
 from parkproof.report.sensitivity import sensitivity_of
 from parkproof.report.trial_table import TrialTable
 from parkproof.scenario import RunSettings, Scenario, Start
 from parkproof.scenario_file import resolved
 from parkproof.simulation.ensemble import simulate_trials
 
-KNOWN = Bounds(alpha=(0.9, 1.1), disturbance=0.5)
+KNOWN = Bounds(alpha=(0.9, 1.1), gamma=(1.0, 1.2), disturbance=0.2)
+GAINS = Gains(
+    lambda1=10.215,
+    k=(0.62777, 2.121),
+    hold=(1.5032, 6.518),
+    runup_speed=1.0324,
+    direction="toward",
+    return_steering=False,
+    ellipsoid=(0.46055276, 0.2763446, 0.071801953, 0.21982455, 0.059686852, 0.023153942),
+    feedback=(-13.199497, -11.571587, -4.0280169),
+)
+SWITCHING = Switching(
+    tolerance=(0.10324, 0.01, 0.01), hysteresis=5.0, turn_tolerance=0.01, chart_limit=30.0
+)
 STARTS = {"x0": (-0.1, 0.1), "x1": (0.0, 0.1), "x2": (0.0, 0.1), "u0": (0, 0), "u1": (0, 0)}
 VOID = {"area", "base", "br", "col", "embed", "hr", "img", "input", "link", "meta", "source", "wbr"}
 
 
 @pytest.fixture(scope="module")
 def certificate():
-    gains = Gains(q1="19/21", direction="toward")
-    found = certify(law="corrected", bounds=KNOWN, gains=gains, starts=STARTS)
+    found = certify(
+        law="homogeneous", bounds=KNOWN, gains=GAINS, switching=SWITCHING, starts=STARTS
+    )
     assert found.certificate is not None, found.reason
     return found.certificate
 
@@ -56,18 +69,18 @@ def certificate_file(certificate, tmp_path_factory):
     return path
 
 
-def campaign_for(certificate, *, trials=24, distributions=None, **changes):
+def campaign_for(*, trials=8, distributions=None, **changes):
     """A campaign of the certificate's law; a third of its starts lie outside the certified box."""
     scenario = Scenario(
         **{
             "title": "Starts & <scales>",
-            "law": "corrected",
+            "law": "homogeneous",
             "bounds": KNOWN,
-            "gains": gains_of(certificate),
-            "switching": switching_of(certificate),
+            "gains": GAINS,
+            "switching": SWITCHING,
             "start": Start(pose=(0.0, 0.05, 0.05)),
             "run": RunSettings(
-                duration=11.0, control_period=0.02, plant_step=0.01, discretisation="implicit"
+                duration=14.0, control_period=0.02, plant_step=0.01, discretisation="implicit"
             ),
         }
         | changes
@@ -124,10 +137,10 @@ def text_of(page):
 
 
 @pytest.fixture
-def done(certificate, tmp_path):
+def done(tmp_path):
     """A campaign that was carried out."""
     directory = tmp_path / "my runs"
-    run_campaign(campaign_for(certificate), directory)
+    run_campaign(campaign_for(), directory)
     return directory
 
 
@@ -136,21 +149,21 @@ def test_the_page_says_how_many_parked_and_shows_the_worst_with_how_to_replay_th
     page = write_report(done, command=command, study=256)
     text = text_of(page)
     assert page == done / "report.html"
-    assert "24 of 24 trials parked: 100 %" in text
-    assert "85.7 % to 100 %" in text  # Clopper-Pearson: 0.025^(1/24) = 0.8575
-    assert "The 10 worst trials" in text
+    assert "8 of 8 trials parked: 100 %" in text
+    assert "63.0 % to 100 %" in text  # Clopper-Pearson: 0.025^(1/8) = 0.6306
+    assert "The 8 worst trials" in text
     assert "Starts & <scales>" in text
     assert text.count(command) >= 5
-    total = TrialTable(done / "trials").column("total")
+    total = TrialTable(done).column("total")
     slowest = int(np.argmax(total))
     assert text.index(f"Trial {slowest}: parked after") < text.index("replay")
     assert f"parkproof replay '{done}' {slowest}" in text
     assert "Alarm" not in text
-    assert page.read_text("utf-8").count("data:image/png") == 10
+    assert page.read_text("utf-8").count("data:image/png") == 8
 
 
-def test_the_study_is_of_the_campaigns_own_trials(certificate):
-    campaign = campaign_for(certificate, trials=64)
+def test_the_study_is_of_the_campaigns_own_trials():
+    campaign = campaign_for(trials=64)
     prepared = prepare(campaign, where="test")
     keys = drawn_keys(prepared)
     assert keys == ("start.pose[0]", "truth.alpha[0]")
@@ -164,13 +177,13 @@ def test_the_study_is_of_the_campaigns_own_trials(certificate):
     assert np.isfinite(total).all()
 
 
-def test_what_cannot_matter_has_no_share(certificate):
+def test_what_cannot_matter_has_no_share():
     drawn = {
         "start.pose[0]": {"kind": "uniform", "low": -0.1, "high": 0.2},
         "truth.disturbance[1].phase": {"kind": "uniform", "low": 0.0, "high": 6.28},
     }
     truth = Truth(disturbance=(Sine(amplitude=0.0, omega=1.0),) * 2)
-    campaign = campaign_for(certificate, distributions=drawn, truth=truth)
+    campaign = campaign_for(distributions=drawn, truth=truth)
     found = study_of(prepare(campaign, where="test"), trials=512)
     assert found.trials == 512
     assert found.total[1:, 1].tolist() == [0.0, 0.0]
@@ -195,20 +208,20 @@ def test_indices_are_those_known_of_the_ishigami_function():
 
 
 def test_trials_inside_the_certificate_are_compared_and_others_said_to_be_outside(
-    done, certificate, certificate_file
+    done, certificate_file
 ):
     text = text_of(write_report(done, certificate=certificate_file, study=0))
-    outside = int((drawn_values(campaign_for(certificate), 0, 24)["start.pose[0]"] > 0.1).sum())
-    assert 0 < outside < 24
-    assert f"It speaks of {24 - outside} of 24 trials. Not counted are:" in text
+    outside = int((drawn_values(campaign_for(), 0, 8)["start.pose[0]"] > 0.1).sum())
+    assert 0 < outside < 8
+    assert f"It speaks of {8 - outside} of 8 trials. Not counted are:" in text
     assert f"start outside the certified box: {outside}" in text
     assert "max_abs_state x1" in text
     assert "Alarm" not in text
 
 
 def test_a_violation_is_an_alarm_on_top_that_names_the_trials(done, certificate_file):
-    inside = int(np.argmin(TrialTable(done / "trials").column("drawn.start.pose[0]")))
-    outside = int(np.argmax(TrialTable(done / "trials").column("drawn.start.pose[0]")))
+    inside = int(np.argmin(TrialTable(done).column("drawn.start.pose[0]")))
+    outside = int(np.argmax(TrialTable(done).column("drawn.start.pose[0]")))
 
     def slow(values):
         return [50.0 if i in {inside, outside} else value for i, value in enumerate(values)]
@@ -224,9 +237,9 @@ def test_a_violation_is_an_alarm_on_top_that_names_the_trials(done, certificate_
     assert f"parkproof replay &#x27;{done}&#x27; {inside}" in alarm
 
 
-def test_a_campaign_of_another_law_is_said_to_be_outside(tmp_path, certificate, certificate_file):
-    other = msgspec.structs.replace(gains_of(certificate), lambda1=1.5)
-    run_campaign(campaign_for(certificate, gains=other, trials=4), tmp_path / "out")
+def test_a_campaign_of_another_law_is_said_to_be_outside(tmp_path, certificate_file):
+    other = msgspec.structs.replace(GAINS, lambda1=9.0)
+    run_campaign(campaign_for(gains=other, trials=4), tmp_path / "out")
     text = text_of(write_report(tmp_path / "out", certificate=certificate_file, study=0))
     assert "It speaks of 0 of 4 trials." in text
     assert "another law, other gains or other switching (lambda1): 4" in text
@@ -238,16 +251,17 @@ def test_choices_that_split_a_campaign_are_held_against_the_certificate_one_by_o
 ):
     drawn = {
         "start.pose[0]": {"kind": "uniform", "low": -0.1, "high": 0.1},
-        "run.latency": {"kind": "choice", "values": [0.0, 0.04]},
-        "run.duration": {"kind": "choice", "values": [5.0, 11.0]},
+        "gains.lambda1": {"kind": "choice", "values": [10.215, 9.0]},
+        "run.duration": {"kind": "choice", "values": [5.0, 14.0]},
     }
-    campaign = campaign_for(certificate, distributions=drawn)
+    campaign = campaign_for(trials=24, distributions=drawn)
     run_campaign(campaign, tmp_path / "out")
-    table = TrialTable(tmp_path / "out" / "trials")
+    table = TrialTable(tmp_path / "out")
     found = coverage_of(certificate, prepare(campaign, where="test"), table)
-    assert list(found.outside) == ["latency of the measurements"]
-    late = table.column("drawn.run.latency") > 0.0
-    assert found.outside["latency of the measurements"].tolist() == late.tolist()
+    reason = "another law, other gains or other switching (lambda1)"
+    assert list(found.outside) == [reason]
+    other = table.column("drawn.gains.lambda1") < 10.0
+    assert found.outside[reason].tolist() == other.tolist()
     long = table.column("drawn.run.duration") > 10.0
     assert found.long_enough.tolist() == long.tolist()
     assert TIGHTER not in found.outside
@@ -256,25 +270,25 @@ def test_choices_that_split_a_campaign_are_held_against_the_certificate_one_by_o
 # ----------------------------------------------------------------------------- whatever the trials
 
 
-def test_a_campaign_without_trials_yet_has_a_page(tmp_path, certificate, certificate_file):
-    with open_directory(tmp_path / "out", plain_of(campaign_for(certificate))) as opened:
+def test_a_campaign_without_trials_yet_has_a_page(tmp_path, certificate_file):
+    with open_directory(tmp_path / "out", plain_of(campaign_for())) as opened:
         opened.note(finished=False)
     text = text_of(write_report(tmp_path / "out", certificate=certificate_file))
-    assert "0 of 24 trials were carried out" in text
+    assert "0 of 8 trials were carried out" in text
     assert "No trial was carried out yet." in text
 
 
-def test_an_unfinished_campaign_says_so(tmp_path, certificate):
-    run_campaign(campaign_for(certificate, trials=3), tmp_path / "out")
-    with open_directory(tmp_path / "out", plain_of(campaign_for(certificate, trials=9))):
+def test_an_unfinished_campaign_says_so(tmp_path):
+    run_campaign(campaign_for(trials=3), tmp_path / "out")
+    with open_directory(tmp_path / "out", plain_of(campaign_for(trials=9))):
         pass
     text = text_of(write_report(tmp_path / "out", study=0))
     assert "3 of 9 trials were carried out when this page was made" in text
 
 
-def test_one_trial_and_one_drawn_quantity(tmp_path, certificate):
+def test_one_trial_and_one_drawn_quantity(tmp_path):
     one = {"start.pose[0]": {"kind": "uniform", "low": -0.1, "high": 0.2}}
-    run_campaign(campaign_for(certificate, trials=1, distributions=one), tmp_path / "out")
+    run_campaign(campaign_for(trials=1, distributions=one), tmp_path / "out")
     text = text_of(write_report(tmp_path / "out"))
     assert "1 of 1 trials parked" in text
     assert "Only start.pose[0] is drawn." in text
@@ -282,11 +296,11 @@ def test_one_trial_and_one_drawn_quantity(tmp_path, certificate):
     assert "The worst trial" in text
 
 
-def test_none_parked(tmp_path, certificate):
+def test_none_parked(tmp_path):
     run = RunSettings(duration=0.5, control_period=0.02)
-    run_campaign(campaign_for(certificate, run=run), tmp_path / "out")
+    run_campaign(campaign_for(run=run), tmp_path / "out")
     text = text_of(write_report(tmp_path / "out", study=256))
-    assert "0 of 24 trials parked: 0 %" in text
+    assert "0 of 8 trials parked: 0 %" in text
     assert "No trial parked." in text
     assert "0 of 128 independent trials parked: too few of the other kind" in text
     assert "The same in all of 128 independent trials." in text
@@ -301,9 +315,9 @@ def test_metrics_without_a_value_are_left_out_and_counted(done):
         excursion=lambda values: [np.nan, *values[1:]],
     )
     text = text_of(write_report(done, study=0))
-    assert "A trial that has no value is left out: up to 24 of 24." in text
+    assert "A trial that has no value is left out: up to 8 of 8." in text
     assert "Residual in the last 2 s, 0 trials" in text
-    assert "Largest distance from the goal, 23 trials" in text
+    assert "Largest distance from the goal, 7 trials" in text
 
 
 # ------------------------------------------------------------------------------------ bad input

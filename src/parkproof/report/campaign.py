@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from parkproof import __version__
 from parkproof.campaign.definition import campaign_from_dict
-from parkproof.campaign.directory import RECORD, TRIALS, read_record
+from parkproof.campaign.directory import RECORD, read_record
 from parkproof.campaign.prepare import Prepared, prepare
 from parkproof.extras import require
 from parkproof.output import write_whole
@@ -121,7 +121,7 @@ def write_report(
     tell = progress or (lambda _text, _fraction: None)
     tell("reading the table", 0.0)
     prepared = _prepared(directory)
-    table = TrialTable(directory / TRIALS)
+    table = TrialTable(directory)
     heading = _heading(directory, prepared, len(table), command)
     proof = None
     if certificate is not None:

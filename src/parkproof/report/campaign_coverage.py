@@ -58,7 +58,6 @@ def coverage_of(certificate: dict[str, Any], prepared: Prepared, table: TrialTab
         Flags a trial.
     """
     trials, codes = table.trials, table.outcomes
-    order = np.argsort(trials, kind="stable")
     outside: dict[str, Flags] = {}
     long_enough = np.ones(len(table), dtype=bool)
 
@@ -66,14 +65,13 @@ def coverage_of(certificate: dict[str, Any], prepared: Prepared, table: TrialTab
         if np.any(flags):
             outside.setdefault(reason, np.zeros(len(table), dtype=bool))[rows] |= flags
 
-    for first in range(0, len(order), BATCH):
-        batch = order[first : first + BATCH]
-        begin, end = int(trials[batch[0]]), int(trials[batch[-1]]) + 1
-        there = trials[batch] - begin
+    for first in range(0, len(table), BATCH):
+        numbers = trials[first : first + BATCH]
+        begin, end = int(numbers[0]), int(numbers[-1]) + 1
         drawn = drawn_values(prepared.campaign, begin, end)
-        drawn = {key: values[there] for key, values in drawn.items()}
-        for members, scenario, starts in ensembles(prepared, drawn, trials[batch], size=BATCH):
-            rows = batch[members]
+        drawn = {key: values[numbers - begin] for key, values in drawn.items()}
+        for members, scenario, starts in ensembles(prepared, drawn, numbers, size=BATCH):
+            rows = first + members
             for reason in other_than_certified(certificate, scenario):
                 flag(reason, rows, True)
             for reason, flags in outside_assumptions(certificate, starts).items():

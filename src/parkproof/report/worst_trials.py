@@ -52,7 +52,9 @@ def worst_of(table: TrialTable, *, count: int = COUNT) -> list[WorstTrial]:
     # a trial without a residual ended early, and one without a time did not park
     residual = np.nan_to_num(table.column("residual"), nan=np.inf)
     slowness = np.nan_to_num(total, nan=np.inf)
-    order = np.lexsort((trials, -residual, -slowness, codes == PARKED))[:count]
+    order = np.lexsort((-residual, -slowness, codes == PARKED))[
+        :count
+    ]  # stable: of equals the first
     ended = table.column("ended")
     return [
         WorstTrial(
