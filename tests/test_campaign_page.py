@@ -302,7 +302,7 @@ def test_none_parked(tmp_path):
     text = text_of(write_report(tmp_path / "out", study=256))
     assert "0 of 8 trials parked: 0 %" in text
     assert "No trial parked." in text
-    assert "0 of 128 independent trials parked: too few of the other kind" in text
+    assert "0 of 128 independent trials parked: too few parked to say" in text
     assert "The same in all of 128 independent trials." in text
     assert "still moving, run ended at 0.5 s" in text
 

@@ -6,7 +6,8 @@ carries it out, or how often. Only this process writes.
 
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
 from parkproof import __version__
@@ -124,6 +125,7 @@ class _Work:
         self._address = address
         self._text = text
         self._running: dict[Any, Range] = {}
+        self._done: SimpleQueue[Future[Any]] = SimpleQueue()
         self._deaths: dict[Range, int] = {}
         self._alone_since: float | None = None
 
@@ -152,22 +154,14 @@ class _Work:
             parquet_of, self._text, *chunk, version=__version__, pure=False, retries=DEATHS
         )
         self._running[future] = chunk
+        future.add_done_callback(self._done.put)
 
-    def _finished(self) -> "set[Future[Any]]":
-        """Chunks that are done, after waiting a little for one."""
-        from distributed import wait
-
-        if not self._running:
-            time.sleep(LOOK)
-            return set()
-        try:
-            with self._client.as_current():
-                done: set[Future[Any]] = wait(
-                    list(self._running), timeout=LOOK, return_when="FIRST_COMPLETED"
-                ).done
-        except TimeoutError:
-            return set()
-        return done
+    def _finished(self) -> "Iterator[Future[Any]]":
+        """Chunks that are done, well or not, after waiting a little for one."""
+        with suppress(Empty):
+            yield self._done.get(timeout=LOOK)
+            while True:
+                yield self._done.get_nowait()
 
     def _threads(self) -> int:
         """Threads of all workers; raises if the scheduler is lost, or has had none for long."""

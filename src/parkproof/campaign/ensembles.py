@@ -40,10 +40,7 @@ def ensembles(
     >>> [len(trials) for _, _, trials in ensembles(prepared, drawn, np.arange(4), size=3)]
     [3, 1]
     """
-    values = {
-        q.key: np.array(values_of(q), dtype=float)[drawn[q.key]] if values_of(q) else drawn[q.key]
-        for q in prepared.side_by_side
-    }
+    values = prepared.numbers_of(drawn)
     sizes = [len(values_of(quantity)) for quantity in prepared.splitting]
     chosen = tuple(drawn[quantity.key] for quantity in prepared.splitting)
     group = np.ravel_multi_index(chosen, sizes) if sizes else np.zeros(len(numbers), dtype=int)
@@ -52,5 +49,5 @@ def ensembles(
         scenario = prepared.group(index)
         for first in range(0, len(members), size):
             piece = members[first : first + size]
-            side_by_side = {q.place: values[q.key][piece] for q in prepared.side_by_side}
+            side_by_side = {place: found[piece] for place, found in values.items()}
             yield piece, scenario, trials_from(scenario, side_by_side, numbers[piece].tolist())

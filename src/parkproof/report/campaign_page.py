@@ -30,12 +30,13 @@ $style
 .source { font-size: 0.85rem; color: #57606a; }
 .rate { font-size: 1.5rem; font-weight: 600; }
 .wide { overflow-x: auto; }
-.grid { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 380px), 1fr));
+.grid { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 380px), 1fr));
   gap: 0.8rem; }
 .single { max-width: 760px; }
 code { font-family: ui-monospace, "DejaVu Sans Mono", monospace; font-size: 0.88em;
   overflow-wrap: anywhere; }
-@media (max-width: 600px) { body { padding: 0.8rem; } th, td { padding: 0.35rem 0.4rem; } }
+@media (max-width: 600px) { body { padding: 0.8rem; } th, td { padding: 0.35rem 0.4rem; }
+  td:first-child { min-width: 8em; } }
 </style>
 </head>
 <body>
