@@ -1,11 +1,8 @@
 """What a block of lanes begins with."""
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
-from parkproof.laws.parameters import LawParameters
 from parkproof.simulation.lanes.buffer import (
     BEFORE,
     BLOCK,
@@ -30,31 +27,6 @@ from parkproof.simulation.lanes.buffer import (
 )
 
 Floats = NDArray[np.float64]
-
-
-def parameter_record(p: LawParameters) -> Any:
-    """Give the numbers of a law in one piece of memory, to be read by the same names.
-
-    Handed on as a tuple, each would be an argument of its own of every compiled function.
-
-    Parameters
-    ----------
-    p : LawParameters
-        Gains and bounds.
-
-    Returns
-    -------
-    record
-        With the fields of the tuple.
-
-    Examples
-    --------
-    >>> from parkproof.laws import default_parameters
-    >>> float(parameter_record(default_parameters()).l3)
-    21.0
-    """
-    dtype = np.dtype([(name, np.float64) for name in p._fields])
-    return np.rec.array([tuple(p)], dtype=dtype)[0]
 
 
 def kinds_of(tones: Floats) -> NDArray[np.int64]:

@@ -51,7 +51,7 @@ from parkproof.simulation.lanes.buffer import (
     STEP,
     WAY,
 )
-from parkproof.simulation.lanes.first import all_tones, first_buffer, kinds_of, parameter_record
+from parkproof.simulation.lanes.first import all_tones, first_buffer, kinds_of
 from parkproof.simulation.lanes.metrics import (
     count,
     end_beyond_limits,
@@ -60,6 +60,7 @@ from parkproof.simulation.lanes.metrics import (
     note_step,
     watch,
 )
+from parkproof.simulation.lanes.parameters import array_of, parameters_in
 from parkproof.simulation.lanes.plant import advance, change_coordinates
 from parkproof.simulation.lanes.sensor import end_unseen, is_misled, see, seen_pose
 
@@ -119,7 +120,7 @@ def kernel_of(law_name: str, *, implicit: bool, exact: bool = True) -> Callable[
         ring = np.empty((1 if exact else sensing.delay + 1, 6, BLOCK))
         present = np.zeros(BLOCK // GROUP, np.int64)
         kernel(
-            parameter_record(p), clock, limits, sensing, b, ring, present, all_of,
+            array_of(p), clock, limits, sensing, b, ring, present, all_of,
             kinds_of(all_of), adversary, keys, out,
         )  # fmt: skip
 
@@ -203,7 +204,10 @@ def _compiled(law_name: str, implicit: bool, exact: bool) -> Callable[..., Any]:
                 b[NEW1 + j], b[NEW2 + j] = inputs(one, two, v, omega, p)
 
     @numba.njit(nogil=True, **OPTIONS)
-    def kernel(p, clock, limits, sensing, b, ring, present, tones, kinds, adversary, keys, out):
+    def kernel(
+        numbers, clock, limits, sensing, b, ring, present, tones, kinds, adversary, keys, out
+    ):
+        p = parameters_in(numbers)
         limited = min(limits.tau1, limits.tau2, limits.speed, limits.turn_rate) < math.inf
         running = BLOCK
         turning = 0
