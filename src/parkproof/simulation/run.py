@@ -13,7 +13,7 @@ from parkproof.laws.controller import Command, Controller, Measurement
 from parkproof.model.overhead import ImageGains
 from parkproof.model.signals import Square
 from parkproof.model.truth import channel, scales
-from parkproof.scenario import DIVERGED_AT, Scenario
+from parkproof.scenario import DIVERGED_AT, RunSettings, Scenario
 from parkproof.simulation.metrics import Metrics, metrics_of
 from parkproof.simulation.outcome import Outcome
 from parkproof.simulation.plant import Plant
@@ -88,14 +88,38 @@ def plant_steps(scenario: Scenario) -> int:
 
     Examples
     --------
-    >>> from parkproof.scenario import RunSettings, Start
+    >>> from parkproof.scenario import Start
     >>> plant_steps(Scenario(law="corrected", start=Start(pose=(0, 0, 0)),
     ...                      run=RunSettings(control_period=0.01)))
     10
     """
     jumps = any(isinstance(signal, Square) for signal in scenario.truth.signals)
-    step = scenario.run.plant_step or (2e-4 if jumps else 1e-3)
-    return max(1, math.ceil(scenario.run.control_period / step - 1e-9))
+    return integration_steps(scenario.run, jumps=jumps)
+
+
+def integration_steps(run: RunSettings, *, jumps: bool) -> int:
+    """Number of integration steps of the plant in one control period.
+
+    Parameters
+    ----------
+    run : RunSettings
+        With ``plant_step``, or without.
+    jumps : bool
+        Whether a signal jumps.
+
+    Returns
+    -------
+    int
+        At least 1.
+
+    Examples
+    --------
+    >>> run = RunSettings(control_period=0.01)
+    >>> integration_steps(run, jumps=False), integration_steps(run, jumps=True)
+    (10, 50)
+    """
+    step = run.plant_step or (2e-4 if jumps else 1e-3)
+    return max(1, math.ceil(run.control_period / step - 1e-9))
 
 
 def image_gains_of(scenario: Scenario) -> ImageGains:
