@@ -59,6 +59,9 @@ end."""
 GAMMA1, GAMMA2, PHI1, PHI2, ALPHA1, ALPHA2, B2 = range(0, BLOCK * SIGNALS, BLOCK)
 """Where the row of each signal begins, counted from one of these."""
 
+STEPS = 5
+"""Steps of a law: turn, run-up, approach, return, hold."""
+
 BEFORE = -1.0
 """In the row ``step``: the law has not begun."""
 

@@ -49,11 +49,11 @@ from parkproof.simulation.lanes.buffer import (
     SEEN3,
     SEEN4,
     STEP,
+    STEPS,
     WAY,
 )
 from parkproof.simulation.lanes.first import all_tones, first_buffer, kinds_of
 from parkproof.simulation.lanes.metrics import (
-    count,
     end_beyond_limits,
     hand_in,
     measure,
@@ -63,6 +63,12 @@ from parkproof.simulation.lanes.metrics import (
 from parkproof.simulation.lanes.parameters import array_of, parameters_in
 from parkproof.simulation.lanes.plant import advance, change_coordinates
 from parkproof.simulation.lanes.sensor import end_unseen, is_misled, see, seen_pose
+from parkproof.simulation.steps import (
+    chained_euler_step,
+    chained_step,
+    turning_euler_step,
+    turning_step,
+)
 
 inlined = register_jitable(forceinline=True, **OPTIONS)
 
@@ -74,18 +80,24 @@ def true_pose(b, j):
 
 
 @inlined
-def find_steps(b, present):
-    """Note in bits which steps are in force in each group of lanes, and count lanes in Step 0."""
-    for g in range(BLOCK // GROUP):
+def find_steps(b, counts, groups):
+    """List the groups of lanes in which a step is in force, for each of the five steps."""
+    for step in range(STEPS):
+        counts[step] = 0
+    for first in range(0, BLOCK, GROUP):
         here = 0
-        for j in range(g * GROUP, g * GROUP + GROUP):
+        for j in range(first, first + GROUP):
             here |= 1 << int(b[STEP + j])
-        present[g] = here
-    return count(b, STEP, 0.0)
+        for step in range(STEPS):
+            if here & (1 << step):
+                groups[step, counts[step]] = first
+                counts[step] += 1
 
 
 @cache
-def kernel_of(law_name: str, *, implicit: bool, exact: bool = True) -> Callable[..., Any]:
+def kernel_of(
+    law_name: str, *, implicit: bool, exact: bool = True, euler: bool = False
+) -> Callable[..., Any]:
     """Give the kernel of a law in one form, compiled when first called, once a process.
 
     Parameters
@@ -96,6 +108,8 @@ def kernel_of(law_name: str, *, implicit: bool, exact: bool = True) -> Callable[
         Which form of the law.
     exact : bool
         Whether measurements are without noise and latency.
+    euler : bool
+        Whether to integrate by Euler's method, as the work that lanes are compared with does.
 
     Returns
     -------
@@ -110,7 +124,7 @@ def kernel_of(law_name: str, *, implicit: bool, exact: bool = True) -> Callable[
     >>> callable(kernel_of("corrected", implicit=False))
     True
     """
-    kernel = _compiled(law_name, implicit, exact)
+    kernel = _compiled(law_name, implicit, exact, euler)
 
     def block(
         p, clock, limits, sensing, state, in_chart, scale_mean, scale_tones, mean, tones,
@@ -118,9 +132,9 @@ def kernel_of(law_name: str, *, implicit: bool, exact: bool = True) -> Callable[
     ):  # fmt: skip
         b, all_of = first_buffer(state, in_chart, mean, scale_mean), all_tones(tones, scale_tones)
         ring = np.empty((1 if exact else sensing.delay + 1, 6, BLOCK))
-        present = np.zeros(BLOCK // GROUP, np.int64)
+        counts, groups = np.zeros(STEPS, np.int64), np.zeros((STEPS, BLOCK // GROUP), np.int64)
         kernel(
-            array_of(p), clock, limits, sensing, b, ring, present, all_of,
+            array_of(p), clock, limits, sensing, b, ring, counts, groups, all_of,
             kinds_of(all_of), adversary, keys, out,
         )  # fmt: skip
 
@@ -128,7 +142,7 @@ def kernel_of(law_name: str, *, implicit: bool, exact: bool = True) -> Callable[
 
 
 @cache
-def _compiled(law_name: str, implicit: bool, exact: bool) -> Callable[..., Any]:
+def _compiled(law_name: str, implicit: bool, exact: bool, euler: bool) -> Callable[..., Any]:
     register()
     law = law_named(law_name)
     law_begin, law_direction, law_switch = law.begin, law.direction, law.switch
@@ -136,6 +150,8 @@ def _compiled(law_name: str, implicit: bool, exact: bool) -> Callable[..., Any]:
     inputs = implicit_inputs if implicit else explicit_inputs
     X0, X1, X2, X3, X4 = (S0, S1, S2, S3, S4) if exact else (SEEN0, SEEN1, SEEN2, SEEN3, SEEN4)
     pose = true_pose if exact else seen_pose
+    step_in_chart = chained_euler_step if euler else chained_step
+    step_outside = turning_euler_step if euler else turning_step
 
     @inlined
     def switch(b, t, p):
@@ -183,34 +199,37 @@ def _compiled(law_name: str, implicit: bool, exact: bool) -> Callable[..., Any]:
         return misled
 
     @inlined
-    def command_in_step(b, first, step, p):
-        for j in range(first, first + GROUP):
-            x0, x1, x2, u0, u1 = b[X0 + j], b[X1 + j], b[X2 + j], b[X3 + j], b[X4 + j]
-            way = b[WAY + j]
-            y0, y1, y2 = predicted(x0, x1, x2, u0, u1, p)
-            one, two = law_channels(step, way, y0, y1, y2, u0, p)
-            tau1, tau2 = inputs(one, two, u0, u1, p)
-            tau2 = with_direct(tau2, law_direct(step, way, y1, y2, u1, p), p)
-            here = b[STEP + j] == step
-            b[NEW1 + j] = tau1 if here else b[NEW1 + j]
-            b[NEW2 + j] = tau2 if here else b[NEW2 + j]
+    def command_in_step(b, step, count, firsts, p):
+        for i in range(count):
+            first = firsts[i] & (BLOCK - GROUP)  # so that the compiler sees that it is an index
+            for j in range(first, first + GROUP):
+                x0, x1, x2, u0, u1 = b[X0 + j], b[X1 + j], b[X2 + j], b[X3 + j], b[X4 + j]
+                way = b[WAY + j]
+                y0, y1, y2 = predicted(x0, x1, x2, u0, u1, p)
+                one, two = law_channels(step, way, y0, y1, y2, u0, p)
+                tau1, tau2 = inputs(one, two, u0, u1, p)
+                tau2 = with_direct(tau2, law_direct(step, way, y1, y2, u1, p), p)
+                here = b[STEP + j] == step
+                b[NEW1 + j] = tau1 if here else b[NEW1 + j]
+                b[NEW2 + j] = tau2 if here else b[NEW2 + j]
 
     @inlined
-    def command_turning(b, first, p):
-        for j in range(first, first + GROUP):
-            if b[STEP + j] == 0.0:
-                theta, v, omega = pose(b, j)
-                one, two = turn_channels(theta + p.lookahead * omega, p)
-                b[NEW1 + j], b[NEW2 + j] = inputs(one, two, v, omega, p)
+    def command_turning(b, count, firsts, p):
+        for i in range(count):
+            for j in range(firsts[i], firsts[i] + GROUP):
+                if b[STEP + j] == 0.0:
+                    theta, v, omega = pose(b, j)
+                    one, two = turn_channels(theta + p.lookahead * omega, p)
+                    b[NEW1 + j], b[NEW2 + j] = inputs(one, two, v, omega, p)
 
     @numba.njit(nogil=True, **OPTIONS)
     def kernel(
-        numbers, clock, limits, sensing, b, ring, present, tones, kinds, adversary, keys, out
+        numbers, clock, limits, sensing, b, ring, counts, groups, tones, kinds, adversary, keys, out
     ):
         p = parameters_in(numbers)
         limited = min(limits.tau1, limits.tau2, limits.speed, limits.turn_rate) < math.inf
         running = BLOCK
-        turning = 0
+        turning = False
         for k in range(clock.samples + 1):
             t = k * clock.period
             if not exact:
@@ -219,34 +238,30 @@ def _compiled(law_name: str, implicit: bool, exact: bool) -> Callable[..., Any]:
             if not exact and not turns:
                 ended += end_unseen(b)
             changes = switch(b, t, p)
-            if changes + turning > 0 or k == 0:
+            if changes > 0 or turning or k == 0:
                 ended += change_steps(b, t, p)
             if ended > 0:
                 running -= hand_in(b, t, False, out)
-            if changes + turning + ended > 0 or k == 0:
-                turning = find_steps(b, present)
-            holding = False
-            for g in range(BLOCK // GROUP):
-                here, first = present[g], g * GROUP
-                holding = holding or here & 16 != 0
-                if here & 2:
-                    command_in_step(b, first, 1.0, p)
-                if here & 4:
-                    command_in_step(b, first, 2.0, p)
-                if here & 8:
-                    command_in_step(b, first, 3.0, p)
-                if here & 16:
-                    command_in_step(b, first, 4.0, p)
-                if here & 1:
-                    command_turning(b, first, p)
-            measure(b, k == 0, t >= clock.residual_from, holding, turning > 0)
+            if changes + ended > 0 or turning or k == 0:
+                find_steps(b, counts, groups)
+                turning = counts[0] > 0
+            command_turning(b, counts[0], groups[0], p)
+            command_in_step(b, 1.0, counts[1], groups[1], p)
+            command_in_step(b, 2.0, counts[2], groups[2], p)
+            command_in_step(b, 3.0, counts[3], groups[3], p)
+            command_in_step(b, 4.0, counts[4], groups[4], p)
+            measure(b, k == 0, t >= clock.residual_from, counts[4] > 0, turning)
             ended = end_beyond_limits(b, limits) if limited else 0
             last = k == clock.samples
             if ended > 0 or last:
                 running -= hand_in(b, t, last, out)
-                turning = find_steps(b, present)
+                find_steps(b, counts, groups)
+                turning = counts[0] > 0
             if running == 0:
                 break
-            advance(b, turning, tones, kinds, adversary, t, clock.period, clock.plant_steps, k == 0)
+            advance(
+                b, turning, tones, kinds, adversary, t, clock.period, clock.plant_steps, k == 0,
+                euler, step_in_chart, step_outside,
+            )  # fmt: skip
 
     return kernel

@@ -68,15 +68,6 @@ RESULT_ROWS = len(RESULTS)
 
 
 @inlined
-def count(b, row, value):
-    """Count the lanes with a given value in a row."""
-    found = 0
-    for j in range(BLOCK):
-        found += 1 if b[row + j] == value else 0
-    return found
-
-
-@inlined
 def hand_in(b, t, last, out):
     """Write the results of lanes that end, or of all that are left; say how many.
 

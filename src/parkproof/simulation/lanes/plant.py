@@ -40,7 +40,6 @@ from parkproof.simulation.lanes.buffer import (
     TAU1,
     TAU2,
 )
-from parkproof.simulation.steps import chained_step, turning_step
 
 inlined = register_jitable(forceinline=True, **OPTIONS)
 
@@ -53,31 +52,22 @@ def tone_at(tones, i, m, j, squares, t):
 
 
 @inlined
-def fill_signals(b, tones, kinds, middle, end):
-    """Write the signals that vary at two times into the rows for a step's middle and end.
-
-    Rows of constant signals are left alone.
-    """
+def fill_signals(b, tones, kinds, rows, t):
+    """Write the signals that vary at a time into their rows; those of constant ones are right."""
     for i in range(SIGNALS):
         row = i * BLOCK
         for m in range(kinds.shape[1]):
             kind = kinds[i, m]
             if kind == SINES and m == 0:
                 for j in range(BLOCK):
-                    mean = b[MEAN + row + j]
-                    b[MIDDLE + row + j] = mean + tone_at(tones, i, 0, j, False, middle)
-                    b[END + row + j] = mean + tone_at(tones, i, 0, j, False, end)
+                    b[rows + row + j] = b[MEAN + row + j] + tone_at(tones, i, 0, j, False, t)
             elif kind == SINES:
                 for j in range(BLOCK):
-                    b[MIDDLE + row + j] += tone_at(tones, i, m, j, False, middle)
-                    b[END + row + j] += tone_at(tones, i, m, j, False, end)
+                    b[rows + row + j] += tone_at(tones, i, m, j, False, t)
             elif kind == SQUARES:
                 for j in range(BLOCK):
-                    mean = b[MEAN + row + j]
-                    at_middle = mean if m == 0 else b[MIDDLE + row + j]
-                    at_end = mean if m == 0 else b[END + row + j]
-                    b[MIDDLE + row + j] = at_middle + tone_at(tones, i, m, j, True, middle)
-                    b[END + row + j] = at_end + tone_at(tones, i, m, j, True, end)
+                    before = b[MEAN + row + j] if m == 0 else b[rows + row + j]
+                    b[rows + row + j] = before + tone_at(tones, i, m, j, True, t)
 
 
 @inlined
@@ -110,7 +100,7 @@ def scales_at(b, j, row):
 
 @inlined
 def move(b, j, state, adversary, h, step):
-    """Move a lane from a state by one Runge-Kutta step, in the chart or outside it."""
+    """Move a lane from a state by one integration step, in the chart or outside it."""
     adversary1, adversary2 = adversary[0, j], adversary[1, j]
     a1, a2 = rates(b, j, START, adversary1, adversary2)
     m1, m2 = rates(b, j, MIDDLE, adversary1, adversary2)
@@ -132,25 +122,30 @@ def state_at(b, j, row):
 
 
 @inlined
-def advance(b, turning, tones, kinds, adversary, t, h, steps, first):
-    """Move all lanes by one control period; before the first, find the signals at its start."""
+def advance(b, turning, tones, kinds, adversary, t, h, steps, first, euler, step, turn):
+    """Move all lanes by one control period; before the first, find the signals at its start.
+
+    Integration steps are ``step`` in the chart and ``turn`` outside it; Euler's know no middle.
+    """
     part = h / steps
     for i in range(-1 if first else 0, steps):
         begin = t + i * part
         middle, end = begin + 0.5 * part, begin + part
-        fill_signals(b, tones, kinds, middle, end)
+        if not euler:
+            fill_signals(b, tones, kinds, MIDDLE, middle)
+        fill_signals(b, tones, kinds, END, end)
         if i >= 0:
-            if turning > 0:  # the loop for lanes in the chart takes all along, and is then undone
+            if turning:  # the loop for lanes in the chart takes all along, and is then undone
                 for j in range(BLOCK):
                     for k in range(5):
                         b[KEPT0 + k * BLOCK + j] = b[S0 + k * BLOCK + j]
                     b[KEPT_PATH + j] = b[PATH + j]
             for j in range(BLOCK):
-                move(b, j, state_at(b, j, S0), adversary, part, chained_step)
-            if turning > 0:
+                move(b, j, state_at(b, j, S0), adversary, part, step)
+            if turning:
                 for j in range(BLOCK):
                     if b[CHART + j] == 0.0:
                         b[PATH + j] = b[KEPT_PATH + j]
-                        move(b, j, state_at(b, j, KEPT0), adversary, part, turning_step)
+                        move(b, j, state_at(b, j, KEPT0), adversary, part, turn)
         for j in range(SIGNALS * BLOCK):
             b[START + j] = b[END + j]
