@@ -20,16 +20,12 @@ ROWS = (
     "excursion2", "path",
     "max0", "max1", "max2", "max3", "max4", "low0", "high0", "speed", "turn_rate", "heading",
     # working values
-    "chart", "next", "tau1", "tau2", "new1", "new2", "turn_square",
+    "chart", "next", "ending", "tau1", "tau2", "new1", "new2", "turn_square",
     "kept0", "kept1", "kept2", "kept3", "kept4", "kept_path",
     "seen0", "seen1", "seen2", "seen3", "seen4", "raw2", "raw3", "raw4", "raw_chart",
-    "gamma1_mean", "gamma2_mean", "phi1_mean", "phi2_mean", "alpha1_mean", "alpha2_mean", "b2_mean",
-    "gamma1", "gamma2", "phi1", "phi2",
-    "gamma1_mid", "gamma2_mid", "phi1_mid", "phi2_mid",
-    "gamma1_end", "gamma2_end", "phi1_end", "phi2_end",
-    "alpha1", "alpha2", "b2",
-    "alpha1_mid", "alpha2_mid", "b2_mid",
-    "alpha1_end", "alpha2_end", "b2_end",
+    *(f"{name}_{when}" for when in ("mean", "start", "middle", "end") for name in (
+        "gamma1", "gamma2", "phi1", "phi2", "alpha1", "alpha2", "b2",
+    )),
 )  # fmt: skip
 """Rows of a block's buffer. One buffer, so that the compiler sees that rows never overlap."""
 
@@ -46,18 +42,28 @@ largest |θ| outside the chart."""
     PEAK1, PEAK2, SQUARE1, SQUARE2, VARIATION1, VARIATION2,
     EXCURSION2, PATH,
     MAX0, MAX1, MAX2, MAX3, MAX4, LOW0, HIGH0, SPEED, TURN_RATE, HEADING,
-    CHART, NEXT, TAU1, TAU2, NEW1, NEW2, TURN_SQUARE,
+    CHART, NEXT, ENDING, TAU1, TAU2, NEW1, NEW2, TURN_SQUARE,
     KEPT0, KEPT1, KEPT2, KEPT3, KEPT4, KEPT_PATH,
     SEEN0, SEEN1, SEEN2, SEEN3, SEEN4, RAW2, RAW3, RAW4, RAW_CHART,
-    GAMMA1_MEAN, GAMMA2_MEAN, PHI1_MEAN, PHI2_MEAN, ALPHA1_MEAN, ALPHA2_MEAN, B2_MEAN,
-    GAMMA1, GAMMA2, PHI1, PHI2,
-    GAMMA1_MID, GAMMA2_MID, PHI1_MID, PHI2_MID,
-    GAMMA1_END, GAMMA2_END, PHI1_END, PHI2_END,
-    ALPHA1, ALPHA2, B2,
-    ALPHA1_MID, ALPHA2_MID, B2_MID,
-    ALPHA1_END, ALPHA2_END, B2_END,
+    *SIGNAL_ROWS,
 ) = range(0, BLOCK * len(ROWS), BLOCK)  # fmt: skip
 """Where each row begins: lane j of row ``TAU1`` is ``b[TAU1 + j]``."""
+
+SIGNALS = 7
+"""Signals of a trial: γ1, γ2, φ1, φ2, α1, α2, b2."""
+
+MEAN, START, MIDDLE, END = SIGNAL_ROWS[::SIGNALS]
+"""Where the rows of signals begin: their means, and their values at a step's start, middle and
+end."""
+
+GAMMA1, GAMMA2, PHI1, PHI2, ALPHA1, ALPHA2, B2 = range(0, BLOCK * SIGNALS, BLOCK)
+"""Where the row of each signal begins, counted from one of these."""
+
+STEPS = 5
+"""Steps of a law: turn, run-up, approach, return, hold."""
+
+BEFORE = -1.0
+"""In the row ``step``: the law has not begun."""
 
 UNUSED, SINES, SQUARES = 0, 1, 2
 """What the lanes of a block have of a tone: nothing, sines at most, or square waves, too."""

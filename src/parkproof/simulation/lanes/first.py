@@ -1,31 +1,29 @@
 """What a block of lanes begins with."""
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from parkproof.simulation.lanes.buffer import (
-    ALPHA1,
-    ALPHA1_END,
-    ALPHA1_MEAN,
-    ALPHA1_MID,
+    BEFORE,
     BLOCK,
     CHART,
+    END,
     END0,
     ENDED_AT,
-    GAMMA1,
-    GAMMA1_END,
-    GAMMA1_MEAN,
-    GAMMA1_MID,
     HIGH0,
     LOW0,
+    MEAN,
+    MIDDLE,
     ROWS,
     S0,
+    SIGNALS,
     SINES,
     SQUARES,
+    START,
+    STEP,
     TURN_SQUARE,
     UNUSED,
+    WAY,
 )
 
 Floats = NDArray[np.float64]
@@ -61,7 +59,31 @@ def kinds_of(tones: Floats) -> NDArray[np.int64]:
     return kinds
 
 
-def first_buffer(state: Floats, in_chart: Floats, mean: Floats, scale_mean: Floats) -> Any:
+def all_tones(tones: Floats, scale_tones: Floats) -> Floats:
+    """Put the tones of γ1, γ2, φ1, φ2 and those of α1, α2, b2 into one array.
+
+    Parameters
+    ----------
+    tones, scale_tones : array
+        Signals × tones × (amplitude, omega, phase, square) × lanes.
+
+    Returns
+    -------
+    array
+        The same, for seven signals.
+
+    Examples
+    --------
+    >>> all_tones(np.zeros((4, 8, 4, 2)), np.zeros((3, 0, 4, 2))).shape
+    (7, 8, 4, 2)
+    """
+    both = np.zeros((SIGNALS, max(tones.shape[1], scale_tones.shape[1]), *tones.shape[2:]))
+    both[:4, : tones.shape[1]] = tones
+    both[4:, : scale_tones.shape[1]] = scale_tones
+    return both
+
+
+def first_buffer(state: Floats, in_chart: Floats, mean: Floats, scale_mean: Floats) -> Floats:
     """Make the buffer of a block of lanes.
 
     Parameters
@@ -83,18 +105,18 @@ def first_buffer(state: Floats, in_chart: Floats, mean: Floats, scale_mean: Floa
     """
     rows = np.zeros((len(ROWS), BLOCK))
 
-    def put(first: int, values: Any, count: int = 1) -> None:
+    def put(first: int, values: Floats | float, count: int = 1) -> None:
         rows[first // BLOCK : first // BLOCK + count] = values
 
     put(S0, state, 5)
     put(CHART, in_chart)
+    put(STEP, BEFORE)
+    put(WAY, 1.0)
     put(LOW0, state[0])
     put(HIGH0, state[0])
     put(END0, -1.0, 4)
     put(ENDED_AT, -1.0)
     put(TURN_SQUARE, 1.0)
-    for first in (GAMMA1_MEAN, GAMMA1, GAMMA1_MID, GAMMA1_END):
-        put(first, mean, 4)
-    for first in (ALPHA1_MEAN, ALPHA1, ALPHA1_MID, ALPHA1_END):
-        put(first, scale_mean, 3)
+    for first in (MEAN, START, MIDDLE, END):
+        put(first, np.concatenate([mean, scale_mean]), SIGNALS)
     return rows.reshape(-1)

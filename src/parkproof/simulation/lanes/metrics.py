@@ -7,16 +7,18 @@ results there and then and stays behind as an idle one, so that no other loop ha
 
 import math
 
-import numba
+from numba.extending import register_jitable
 
 from parkproof.simulation.compiler import OPTIONS
 from parkproof.simulation.lanes.buffer import (
+    BEFORE,
     BLOCK,
     CHART,
     DIVERGED,
     END0,
     ENDED,
     ENDED_AT,
+    ENDING,
     EXCURSION2,
     HEADING,
     HELD0,
@@ -61,37 +63,32 @@ from parkproof.simulation.lanes.buffer import (
     WAY,
 )
 
-inlined = numba.njit(forceinline=True, **OPTIONS)
+inlined = register_jitable(forceinline=True, **OPTIONS)
 RESULT_ROWS = len(RESULTS)
 
 
 @inlined
-def count(b, row, value):
-    """Count the lanes with a given value in a row."""
+def hand_in(b, t, last, out):
+    """Write the results of lanes that end, or of all that are left; say how many.
+
+    A lane that ends before the others idles at the goal from here on.
+    """
     found = 0
     for j in range(BLOCK):
-        found += 1 if b[row + j] == value else 0
+        if b[ENDED + j] == 0.0 and (last or b[ENDING + j] > 0.0):
+            if b[ENDING + j] > 0.0:
+                b[ENDED + j], b[ENDED_AT + j] = b[ENDING + j], t
+            for i in range(RESULT_ROWS):
+                out[i, j] = b[i * BLOCK + j]
+            out[MAX0 // BLOCK, j] = max(-b[LOW0 + j], b[HIGH0 + j])
+            out[SPEED // BLOCK, j] = math.sqrt(b[SPEED + j])
+            out[TURN_RATE // BLOCK, j] = b[TURN_RATE + j] / b[TURN_SQUARE + j]
+            for i in range(5):
+                b[S0 + i * BLOCK + j] = 0.0
+            b[STEP + j], b[NEXT + j], b[WAY + j], b[CHART + j] = 4.0, 4.0, 1.0, 1.0
+            found += 1
+        b[ENDING + j] = 0.0
     return found
-
-
-@inlined
-def hand_in(b, j, out):
-    """Write the results of a lane."""
-    for i in range(RESULT_ROWS):
-        out[i, j] = b[i * BLOCK + j]
-    out[MAX0 // BLOCK, j] = max(-b[LOW0 + j], b[HIGH0 + j])
-    out[SPEED // BLOCK, j] = math.sqrt(b[SPEED + j])
-    out[TURN_RATE // BLOCK, j] = b[TURN_RATE + j] / b[TURN_SQUARE + j]
-
-
-@inlined
-def retire(b, j, code, t, out):
-    """End a lane: its results are handed in, and it idles at the goal from here on."""
-    b[ENDED + j], b[ENDED_AT + j] = code, t
-    hand_in(b, j, out)
-    for i in range(5):
-        b[S0 + i * BLOCK + j] = 0.0
-    b[STEP + j], b[WAY + j], b[CHART + j] = 4.0, 1.0, 1.0
 
 
 @inlined
@@ -108,29 +105,23 @@ def end_code(b, j, limits, turns):
 
 
 @inlined
-def watch(b, t, limits, turns, out):
-    """End lanes that cannot go on from this measurement, and say how many."""
+def watch(b, limits, turns):
+    """Mark lanes that cannot go on from this measurement, and say how many."""
     found = 0
     for j in range(BLOCK):
-        found += 1 if end_code(b, j, limits, turns) > 0.0 else 0
-    if found == 0:
-        return 0
-    ended = 0
-    for j in range(BLOCK):
         code = end_code(b, j, limits, turns)
-        if code > 0.0 and b[ENDED + j] == 0.0:
-            retire(b, j, code, t, out)
-            ended += 1
-    return ended
+        b[ENDING + j] = code
+        found += 1 if code > 0.0 else 0
+    return found
 
 
 @inlined
 def note_step(b, j, t):
-    """Note when steps end, as a lane goes on to its next one or back to an earlier one."""
+    """Note when steps end, as a lane begins, goes on to its next step or back to an earlier one."""
     step, after = b[STEP + j], b[NEXT + j]
-    if after > step:
+    if step != BEFORE and after > step:
         b[END0 + int(step) * BLOCK + j] = t
-    else:
+    elif step != BEFORE:
         for i in range(4):
             if i >= after:
                 b[END0 + i * BLOCK + j] = -1.0
@@ -141,16 +132,17 @@ def note_step(b, j, t):
 
 
 @inlined
-def measure(b, late, holding, turning):
+def measure(b, first, late, holding, turning):
     """Update the metrics of all lanes; the new inputs become those in force."""
     for j in range(BLOCK):
         tau1, tau2 = b[NEW1 + j], b[NEW2 + j]
+        change1, change2 = abs(tau1 - b[TAU1 + j]), abs(tau2 - b[TAU2 + j])
         b[PEAK1 + j] = max(b[PEAK1 + j], abs(tau1))
         b[PEAK2 + j] = max(b[PEAK2 + j], abs(tau2))
         b[SQUARE1 + j] += tau1 * tau1
         b[SQUARE2 + j] += tau2 * tau2
-        b[VARIATION1 + j] += abs(tau1 - b[TAU1 + j])
-        b[VARIATION2 + j] += abs(tau2 - b[TAU2 + j])
+        b[VARIATION1 + j] += 0.0 if first else change1
+        b[VARIATION2 + j] += 0.0 if first else change2
         b[TAU1 + j], b[TAU2 + j] = tau1, tau2
     for j in range(BLOCK):
         x, y, u0, u1 = b[S0 + j], b[S1 + j], b[S3 + j], b[S4 + j]
@@ -187,16 +179,16 @@ def measure(b, late, holding, turning):
 
 
 @inlined
-def end_beyond_limits(b, t, limits, out):
-    """End lanes whose input or speed is beyond its limit, and say how many."""
-    ended = 0
+def end_beyond_limits(b, limits):
+    """Mark lanes whose input or speed is beyond its limit, and say how many."""
+    found = 0
     for j in range(BLOCK):
         x2 = b[S2 + j] if b[CHART + j] == 1.0 else 0.0
         square = 1.0 + x2 * x2
         fast = abs(b[S3 + j]) * math.sqrt(square) > limits.speed
         turns_fast = abs(b[S4 + j]) / square > limits.turn_rate
         strong = abs(b[TAU1 + j]) > limits.tau1 or abs(b[TAU2 + j]) > limits.tau2
-        if b[ENDED + j] == 0.0 and (strong or fast or turns_fast):
-            retire(b, j, INPUT_LIMIT if strong else SPEED_LIMIT, t, out)
-            ended += 1
-    return ended
+        code = INPUT_LIMIT if strong else (SPEED_LIMIT if fast or turns_fast else 0.0)
+        b[ENDING + j] = code
+        found += 1 if code > 0.0 else 0
+    return found

@@ -6,7 +6,7 @@ the measurements of the last samples, each as the five states and whether they a
 
 import math
 
-import numba
+from numba.extending import register_jitable
 
 from parkproof.model.chained import body_inputs, chained_inputs
 from parkproof.model.unicycle import wrap_angle
@@ -14,7 +14,9 @@ from parkproof.simulation.compiler import OPTIONS
 from parkproof.simulation.lanes.buffer import (
     BLOCK,
     CHART,
-    ENDED,
+    ENDING,
+    LEFT_CHART,
+    NEXT,
     RAW2,
     RAW3,
     RAW4,
@@ -26,11 +28,10 @@ from parkproof.simulation.lanes.buffer import (
     SEEN2,
     SEEN3,
     SEEN4,
-    STEP,
 )
 from parkproof.simulation.noise import standard_noise
 
-inlined = numba.njit(forceinline=True, **OPTIONS)
+inlined = register_jitable(forceinline=True, **OPTIONS)
 
 
 @inlined
@@ -81,13 +82,18 @@ def seen_pose(b, j):
 
 
 @inlined
-def is_unseen(b, j):
-    """Whether a law that cannot turn is told of a heading outside the chart."""
-    return b[ENDED + j] == 0.0 and not abs(b[SEEN2 + j]) < 1e6
+def end_unseen(b):
+    """Mark lanes whose law cannot turn, and is told of a heading outside the chart."""
+    found = 0
+    for j in range(BLOCK):
+        if b[ENDING + j] == 0.0 and not abs(b[SEEN2 + j]) < 1e6:
+            b[ENDING + j] = LEFT_CHART
+            found += 1
+    return found
 
 
 @inlined
 def is_misled(b, j):
     """Whether a lane is about to enter the chart with a heading that is not in it."""
-    enters = b[STEP + j] >= 1.0 and b[CHART + j] == 0.0
-    return enters and b[ENDED + j] == 0.0 and abs(b[S2 + j]) >= 0.5 * math.pi
+    enters = b[NEXT + j] >= 1.0 and b[CHART + j] == 0.0
+    return enters and abs(b[S2 + j]) >= 0.5 * math.pi
