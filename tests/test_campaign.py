@@ -150,13 +150,25 @@ def test_choices_that_split_trials_give_each_its_own_row() -> None:
     assert np.isfinite(first).all()
 
 
+def test_a_campaign_ends_with_a_report(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["campaign", "campaign.toml", "--out", "out", "--trials", "70"]) == 0
+    said = capsys.readouterr().out
+    assert "Trials" in said
+    assert "report.html" in said
+    assert names_in("out/trials") == [
+        "000000000000-000000000063.parquet",
+        "000000000064-000000000069.parquet",
+    ]
+    assert "70 trials" in Path("out/report.html").read_text("utf-8")
+
+
 # ------------------------------------------------------------------------------- going on
 
 
 def test_an_interrupted_campaign_says_how_to_go_on_and_loses_nothing(
     reference: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    add, given = CampaignDirectory.add, ["campaign", "campaign.toml", "--out", "out"]
+    add, given = CampaignDirectory.add, ["campaign", "campaign.toml", "--out", "out", "--no-report"]
 
     def add_and_stop(self: CampaignDirectory, *arguments: Any) -> None:
         add(self, *arguments)
@@ -196,7 +208,7 @@ def test_a_campaign_that_was_killed_goes_on_without_loss_or_repetition(
 ) -> None:
     assert 0 < len(names_in(killed / "trials")) < len(names_in(reference / "trials"))
     times = {path: path.stat().st_mtime_ns for path in (killed / "trials").iterdir()}
-    assert main(["campaign", "campaign.toml", "--out", "out", "--quiet"]) == 0
+    assert main(["campaign", "campaign.toml", "--out", "out", "--quiet", "--no-report"]) == 0
     assert all(path.stat().st_mtime_ns == then for path, then in times.items())
     assert bits(killed) == bits(reference)
 
@@ -205,7 +217,7 @@ def test_what_a_kill_leaves_half_written_is_taken_away(again: Path, reference: P
     gone = sorted((again / "trials").iterdir())[4]
     (again / ".parts" / "1f3a").write_bytes(gone.read_bytes()[:1000])
     gone.unlink()
-    assert main(["campaign", "campaign.toml", "--out", "out", "--quiet"]) == 0
+    assert main(["campaign", "campaign.toml", "--out", "out", "--quiet", "--no-report"]) == 0
     assert list((again / ".parts").iterdir()) == []
     assert bits(again) == bits(reference)
 
@@ -214,7 +226,7 @@ def test_a_directory_that_was_killed_before_it_was_named_is_begun_anew(reference
     Path("out/.parts").mkdir(parents=True)
     Path("out/.lock").touch()
     Path("out/.parts/half").write_text("{")
-    assert main(["campaign", "campaign.toml", "--out", "out", "--quiet"]) == 0
+    assert main(["campaign", "campaign.toml", "--out", "out", "--quiet", "--no-report"]) == 0
     assert bits(Path("out")) == bits(reference)
 
 
@@ -306,6 +318,7 @@ def test_two_processes_do_not_write_to_one_directory(
         (["--trials", "many"], "Invalid value"),
         (["--threads", "0"], "--threads 0: must be from 1"),
         (["--threads", "2", "--scheduler", "tcp://127.0.0.1:9"], "leave --threads out"),
+        (["--certificate", "nowhere.json"], "nowhere.json: no such file"),
         (["--scheduler", "here"], "is no address of a scheduler"),
         (["--set", "trails=3"], "did you mean trials?"),
         (["--set", "run.duration=-1"], "duration = -1.0: must be greater than 0"),
