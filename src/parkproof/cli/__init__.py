@@ -13,7 +13,8 @@ if TYPE_CHECKING:
 COMMANDS = {
     "reproduce": "Make Section 4 of the paper anew: its figures, and what its claims come to.",
     "park": "Carry out the run that a scenario file describes.",
-    "init": "Write a commented scenario, or a specification for design, that runs as it is.",
+    "campaign": "Carry out many trials, drawn from distributions, and keep a row of each.",
+    "init": "Write a commented scenario, campaign or other file that runs as it is.",
     "check": "Evaluate the paper's conditions (15)-(19) on the gains in a file.",
     "search": "Search for gains: Remark 3 as printed, a search that works, and Remark 4.",
     "design": "Find gains for given limits, with a proof that runs under them park.",
@@ -23,7 +24,7 @@ COMMANDS = {
     "tag": "Make a page with a tag to print, to scale.",
     "teach": "Take the goal from one picture of the parked robot.",
     "lab": "Park a robot that a camera sees, from its pictures alone.",
-    "replay": "Carry out a recorded run of the laboratory again, and compare the commands.",
+    "replay": "Carry out one trial of a campaign, or a recorded run of the laboratory, again.",
     "schema": "Print the JSON schema of scenario files or certificates, for editors.",
     "citation": "Print BibTeX for the paper and for this software.",
     "completion": "Print or install the completion script of a shell.",

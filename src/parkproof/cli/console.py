@@ -114,6 +114,59 @@ def _indented(text: str) -> Any:
     return Padding(text, (0, 0, 0, 2))
 
 
+Count = Callable[[int, int], None]
+"""Called with how many are done, and of how many."""
+
+
+@contextmanager
+def counted(unit: str, *, quiet: bool = False) -> Iterator[Count]:
+    """Show a bar with rate and time left on standard error, if that is a terminal.
+
+    Parameters
+    ----------
+    unit : str
+        What is counted.
+    quiet : bool
+        Show none.
+
+    Yields
+    ------
+    callable
+        Takes how many are done, and of how many; what is done at the first call was done before.
+
+    Examples
+    --------
+    >>> with counted("trials", quiet=True) as count:
+    ...     count(3, 10)
+    """
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    console = Console(stderr=True, markup=False, highlight=False)
+    with Progress(
+        TextColumn("{task.completed:,.0f} of {task.total:,.0f} " + unit, markup=False),
+        BarColumn(bar_width=None),
+        TextColumn("{task.fields[rate]}", markup=False),
+        TimeRemainingColumn(),
+        TextColumn("left", markup=False),
+        console=console,
+        transient=True,
+        disable=quiet or not console.is_terminal,
+        expand=True,
+    ) as bar:
+        task = bar.add_task("", total=None, start=False, rate="starting")
+
+        def count(done: int, of: int) -> None:
+            if not bar.tasks[task].started:
+                bar.start_task(task)
+                bar.update(task, total=of, completed=done)
+                return
+            bar.update(task, completed=done)
+            speed = bar.tasks[task].speed
+            bar.update(task, rate=f"{speed:,.0f} {unit}/s" if speed else "starting")
+
+        yield count
+
+
 @contextmanager
 def progress(*, quiet: bool = False) -> Iterator[Report]:
     """Show a bar on standard error while something is done, if that is a terminal.

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from types import FrameType
 from typing import TYPE_CHECKING
 
-from parkproof.errors import InputError
+from parkproof.errors import InputError, StoppedError
 
 if TYPE_CHECKING:
     from cyclopts import CycloptsError
@@ -48,9 +48,9 @@ def guarded(command: Callable[[], int]) -> int:
             sys.stdout.flush()
         except (Exception, KeyboardInterrupt) as error:
             if arrived:  # whatever a library has made of the exception that the signal raised
-                status = _stopped(arrived[0])
+                status = _stopped(arrived[0], error)
             elif isinstance(error, KeyboardInterrupt):
-                status = _stopped(signal.SIGINT)
+                status = _stopped(signal.SIGINT, error)
             elif not isinstance(error, BrokenPipeError):
                 status = _bad_input(error)
             else:  # whoever read the output, such as head, has had enough of it
@@ -58,10 +58,12 @@ def guarded(command: Callable[[], int]) -> int:
     return status
 
 
-def _stopped(number: int) -> int:
+def _stopped(number: int, error: BaseException) -> int:
     """Say that a signal stopped the program; the status is what shells make of it."""
     who = "Ctrl-C" if number == signal.SIGINT else signal.Signals(number).name
-    _tell(f"stopped by {who}; no half-written result is left; run the command again")
+    told = str(error) if isinstance(error, StoppedError) else ""
+    left = told or "no half-written result is left; run the command again"
+    _tell(f"stopped by {who}; {left}")
     return 128 + number
 
 

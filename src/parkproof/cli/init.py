@@ -13,7 +13,7 @@ def init(
     overwrite: bool = False,
     list_kinds: Annotated[bool, Parameter(name="--list")] = False,
 ) -> int:
-    """Write a commented scenario, or a specification for design, that runs as it is.
+    """Write a commented scenario, campaign or other file that runs as it is.
 
     Parameters
     ----------
@@ -50,6 +50,6 @@ def init(
     from parkproof.cli.files import write_file
 
     write_file(out, text, overwrite=overwrite)
-    command = {"design": "design", "world": "lab --world"}.get(kind, "park")
+    command = {"design": "design", "campaign": "campaign", "world": "lab --world"}.get(kind, "park")
     stdout_console().print(f"Wrote {out}; run it with: parkproof {command} {out}", soft_wrap=True)
     return 0

@@ -2,7 +2,7 @@
 
 import math
 from itertools import pairwise
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import msgspec
 from msgspec.structs import force_setattr
@@ -10,6 +10,9 @@ from msgspec.structs import force_setattr
 from parkproof.errors import InputError
 from parkproof.scalar import scalar, sign, sine
 from parkproof.validate import finite, not_negative, positive
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 FASTEST = 1e6
 """Highest angular frequency in rad/s: far above what a plant step can follow."""
@@ -291,17 +294,40 @@ class Noise(
     @property
     def mean_and_tones(self) -> tuple[float, tuple[Tone, ...]]:
         """Mean and periodic components."""
-        import numpy as np
-
-        rng = np.random.default_rng(self.seed)
-        omegas = self.bandwidth * (np.arange(TONES) + rng.random(TONES)) / TONES
-        phases = 2.0 * math.pi * rng.random(TONES)
-        weights = 0.5 + rng.random(TONES)
+        places, phases, weights = noise_spectrum(self.seed)
+        omegas = self.bandwidth * places / TONES
         amplitudes = self.amplitude * weights / weights.sum()
         return self.mean, tuple(
             Tone(float(a), float(w), float(f), 0.0)
             for a, w, f in zip(amplitudes, omegas, phases, strict=True)
         )
+
+
+def noise_spectrum(seed: int) -> "tuple[NDArray[Any], NDArray[Any], NDArray[Any]]":
+    """What the seed of a `Noise` decides.
+
+    Parameters
+    ----------
+    seed : int
+        Its seed.
+
+    Returns
+    -------
+    three arrays
+        Places of the frequencies, in eighths of the bandwidth; phases in rad; weights, which do not
+        add up to 1.
+
+    Examples
+    --------
+    >>> places, phases, weights = noise_spectrum(7)
+    >>> [int(place) for place in places]
+    [0, 1, 2, 3, 4, 5, 6, 7]
+    """
+    import numpy as np
+
+    rng = np.random.default_rng(seed)
+    places = np.arange(TONES) + rng.random(TONES)
+    return places, 2.0 * math.pi * rng.random(TONES), 0.5 + rng.random(TONES)
 
 
 class Adversary(

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from threading import Lock
 from typing import Any
 
 import msgspec
@@ -26,6 +27,9 @@ from parkproof.simulation.run import HOLD, integration_steps
 from parkproof.simulation.trials import Trials, trials_of
 
 Floats = NDArray[np.float64]
+
+_ONE_AT_A_TIME = Lock()
+"""Threads that ask for one kernel at once would else each compile one."""
 
 
 def _shared(scenario: Scenario) -> tuple[Any, ...]:
@@ -81,8 +85,8 @@ def simulate_ensemble(scenarios: Sequence[Scenario], *, threads: int = 1) -> dic
             "the trials of an ensemble differ in more than start and truth (and run.seed): "
             "run an ensemble for each law, gains, bounds and run settings"
         )
-    if any(s.camera is not None for s in scenarios):
-        raise _no_camera()
+    for scenario in scenarios:
+        check_lanes(scenario)
     return simulate_trials(first, trials_of(scenarios), threads=threads)
 
 
@@ -117,22 +121,17 @@ def simulate_trials(scenario: Scenario, trials: Trials, *, threads: int = 1) -> 
     >>> simulate_trials(scenario, trials_of([scenario]))["outcome"][0].value
     'parked'
     """
-    if scenario.camera is not None:
-        raise _no_camera()
-    if scenario.robot.kind != "chained":
-        raise InputError(
-            f'robot.kind = "{scenario.robot.kind}": lanes carry out robots of kind "chained" only; '
-            "use simulate() for this one"
-        )
+    check_lanes(scenario)
     from parkproof.simulation.lanes.kernel import kernel_of
 
     run, limits = scenario.run, scenario.limits
     sensing = Sensing(run.delay_samples, run.deviations)
-    kernel = kernel_of(
-        scenario.law,
-        implicit=run.discretisation == "implicit",
-        exact=sensing.delay == 0 and not any(sensing.deviations),
-    )
+    with _ONE_AT_A_TIME:
+        kernel = kernel_of(
+            scenario.law,
+            implicit=run.discretisation == "implicit",
+            exact=sensing.delay == 0 and not any(sensing.deviations),
+        )
     p = law_parameters(
         bounds=scenario.bounds,
         gains=scenario.gains,
@@ -164,11 +163,34 @@ def simulate_trials(scenario: Scenario, trials: Trials, *, threads: int = 1) -> 
     return _results(dict(zip(RESULTS, out, strict=True)), scenario, clock)
 
 
-def _no_camera() -> InputError:
-    return InputError(
-        "lanes carry out scenarios under the paper's camera only: leave out [camera], or use "
-        "simulate()"
-    )
+def check_lanes(scenario: Scenario) -> None:
+    """Check that lanes can carry a scenario out.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Any.
+
+    Raises
+    ------
+    InputError
+        If they cannot, with what can.
+
+    Examples
+    --------
+    >>> from parkproof.scenario import Start
+    >>> check_lanes(Scenario(law="corrected", start=Start(pose=(-1.0, 0.1, 0.0))))
+    """
+    if scenario.camera is not None:
+        raise InputError(
+            "lanes carry out scenarios under the paper's camera only: leave out [camera], or use "
+            "simulate()"
+        )
+    if scenario.robot.kind != "chained":
+        raise InputError(
+            f'robot.kind = "{scenario.robot.kind}": lanes carry out robots of kind "chained" only; '
+            "use simulate() for this one"
+        )
 
 
 def _carry_out(

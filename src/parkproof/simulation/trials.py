@@ -117,8 +117,8 @@ class Trials:
     @property
     def jump(self) -> NDArray[np.bool_]:
         """Whether a signal of a trial is a square wave."""
-        jumps = np.any(self.tones[:, :, 3] > 0.0, axis=(0, 1))
-        return np.logical_or(jumps, np.any(self.scale_tones[:, :, 3] > 0.0, axis=(0, 1)))
+        squares = np.concatenate((self.tones[:, :, 3], self.scale_tones[:, :, 3]), axis=None)
+        return np.asarray((squares.reshape(-1, len(self)) > 0.0).any(axis=0), dtype=np.bool_)
 
 
 def _signals(trials: Sequence[Sequence[Resolved]], least: int) -> tuple[Floats, Floats]:
