@@ -88,7 +88,8 @@ def can_differ(scenario: Scenario, place: Place) -> bool:
     if whole not in _SIGNALS:
         return False
     signal = signal_at(scenario, whole)
-    return not isinstance(signal, float | Adversary | Switched) and place[-1] in signal.__struct_fields__
+    fixed = float | Adversary | Switched
+    return not isinstance(signal, fixed) and place[-1] in signal.__struct_fields__
 
 
 def trials_from(scenario: Scenario, drawn: Drawn, numbers: Sequence[int]) -> Trials:
