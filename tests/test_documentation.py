@@ -189,7 +189,8 @@ def documented_keys() -> dict[str, Rows]:
     structures = {
         "Top level": "", "[bounds]": "Bounds", "[gains]": "Gains", "[weights]": "Weights",
         "[truth]": "Truth", '"constant"': "Constant", '"sine"': "Sine", '"square"': "Square",
-        '"noise"': "Noise", '"pinhole"': "PinholeTable", '"homography"': "HomographyTable",
+        '"switched"': "Switched", '"noise"': "Noise", '"pinhole"': "PinholeTable",
+        '"homography"': "HomographyTable",
         "[robot]": "Robot", "[start]": "Start", "[switching]": "Switching", "[run]": "RunSettings",
         "[limits]": "Limits",
     }  # fmt: skip

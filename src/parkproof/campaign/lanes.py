@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from parkproof.campaign.waves import Parametric, means_and_tones
-from parkproof.model.signals import Adversary, Signal
+from parkproof.model.signals import Adversary, Signal, Switched
 from parkproof.model.unicycle import wrap_angle
 from parkproof.scenario import Scenario
 from parkproof.scenario_file.keys import Place
@@ -88,7 +88,8 @@ def can_differ(scenario: Scenario, place: Place) -> bool:
     if whole not in _SIGNALS:
         return False
     signal = signal_at(scenario, whole)
-    return not isinstance(signal, float | Adversary) and place[-1] in signal.__struct_fields__
+    fixed = float | Adversary | Switched
+    return not isinstance(signal, fixed) and place[-1] in signal.__struct_fields__
 
 
 def trials_from(scenario: Scenario, drawn: Drawn, numbers: Sequence[int]) -> Trials:

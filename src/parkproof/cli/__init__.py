@@ -14,6 +14,7 @@ COMMANDS = {
     "reproduce": "Make Section 4 of the paper anew: its figures, and what its claims come to.",
     "park": "Carry out the run that a scenario file describes.",
     "campaign": "Carry out many trials, drawn from distributions, and keep a row of each.",
+    "falsify": "Search for the run that breaks a claim, or comes nearest to a bound.",
     "init": "Write a commented scenario, campaign or other file that runs as it is.",
     "check": "Evaluate the paper's conditions (15)-(19) on the gains in a file.",
     "search": "Search for gains: Remark 3 as printed, a search that works, and Remark 4.",

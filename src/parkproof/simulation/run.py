@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from parkproof.laws.controller import Command, Controller, Measurement
 from parkproof.model.overhead import ImageGains
-from parkproof.model.signals import Square
+from parkproof.model.signals import Square, Switched
 from parkproof.model.truth import channel, scales
 from parkproof.scenario import DIVERGED_AT, RunSettings, Scenario
 from parkproof.simulation.metrics import Metrics, metrics_of
@@ -93,7 +93,7 @@ def plant_steps(scenario: Scenario) -> int:
     ...                      run=RunSettings(control_period=0.01)))
     10
     """
-    jumps = any(isinstance(signal, Square) for signal in scenario.truth.signals)
+    jumps = any(isinstance(signal, Square | Switched) for signal in scenario.truth.signals)
     return integration_steps(scenario.run, jumps=jumps)
 
 
