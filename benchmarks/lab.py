@@ -19,8 +19,8 @@ from rich.table import Table
 
 FIELDS = (
     "seed", "start", "hard", "torque", "outcome", "parked_after", "px", "deg", "floor_cm",
-    "floor_deg", "allowed_cm", "out_of_view", "frames", "courses", "alarms", "median_ms", "p99_ms", "speed",
-    "side_px", "parkable",
+    "floor_deg", "allowed_cm", "out_of_view", "frames", "courses", "alarms", "median_ms", "p99_ms",
+    "speed", "side_px", "parkable",
 )  # fmt: skip
 
 KEY = FIELDS[:4]
