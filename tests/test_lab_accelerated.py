@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from parkproof.cli import main
 from parkproof.lab.accelerated_parker import AcceleratedParker, commanded_by
+from parkproof.lab.accelerated_watchdog import StoppingAcceleratedRobot
 from parkproof.lab.devices import Frame, Missing, WallClock
 from parkproof.lab.estimate import Sighting
 from parkproof.lab.limits import limited_acceleration
@@ -21,7 +22,6 @@ from parkproof.lab.predict import CommandHistory, GoalPose, advanced
 from parkproof.lab.replay import replayed
 from parkproof.lab.settings import LabSettings
 from parkproof.lab.simulated import run_simulated, shown_goal
-from parkproof.lab.watchdog import StoppingAcceleratedRobot
 from parkproof.lab.world import PushSettings, RobotSettings, World, WorldSettings, random_world
 from parkproof.lab.world.inertia import nominal_drive
 from test_lab_safety import BLANK, LIMITS, RATE, goal, picture

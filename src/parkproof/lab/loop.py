@@ -9,6 +9,7 @@ from typing import Any
 import msgspec
 
 from parkproof.lab.accelerated_parker import commanded_by, parker_for
+from parkproof.lab.accelerated_watchdog import StoppingAcceleratedRobot, stopping
 from parkproof.lab.devices import (
     AcceleratedRobot,
     Camera,
@@ -25,7 +26,7 @@ from parkproof.lab.record import Recorder
 from parkproof.lab.safety import SafetyLimits
 from parkproof.lab.settings import LabSettings
 from parkproof.lab.summary import FrameCounts, Sample
-from parkproof.lab.watchdog import StoppingAcceleratedRobot, StoppingRobot, stopping
+from parkproof.lab.watchdog import StoppingRobot
 
 DEAD_MAN = 0.3
 """Time without a command in s after which a thread stops a real robot."""
