@@ -11,6 +11,7 @@ from parkproof.lab.devices import Frame, Image, Missing
 from parkproof.lab.goal import Goal
 from parkproof.lab.overlay import Bar, Overlay, overlay
 from parkproof.lab.parker import Answer, Phase
+from parkproof.lab.tag_square import SQUARE
 from parkproof.lab.video import RunVideo, strip
 from parkproof.model.homography import Homography
 
@@ -56,9 +57,7 @@ class Film:
         self._every, self._count = 1, 0
         self._parked_since: float | None = None
         tag = Homography(goal.homography)
-        self._goal_tag = np.array(
-            [tag.project(i, j) for i, j in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))]
-        )
+        self._goal_tag = np.array([tag.project(i, j) for i, j in SQUARE])
 
     def __enter__(self) -> Self:
         return self

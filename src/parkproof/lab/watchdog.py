@@ -198,13 +198,13 @@ class Stopping:
 
 
 class StoppingRobot(Stopping):
-    """Wraps a robot: limits kept, and stopped when the program no longer drives it.
+    r"""Wraps a robot: limits kept, and stopped when the program no longer drives it.
 
     Every command goes through `parkproof.lab.limits.limited` first. The robot is stopped
 
     - when nothing was sent for ``timeout`` s, by a thread, in real time;
     - at the end of the ``with`` block, however it is left;
-    - on Ctrl-C, Ctrl-\\, a request to end and a closed terminal, within a ``with`` block of the
+    - on Ctrl-C, Ctrl-\, a request to end and a closed terminal, within a ``with`` block of the
       main thread: at once, before anything else, and from then on it is only told to stand still.
       The handler that was there before is called next; where there was none, `SystemExit` is
       raised, so that everything is cleaned up. A signal that is ignored, as after nohup, stays
