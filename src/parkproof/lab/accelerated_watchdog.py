@@ -37,10 +37,15 @@ class StoppingAcceleratedRobot(Stopping):
     ) -> None:
         super().__init__(robot, clock=clock, timeout=timeout)
         self._driven = robot
-        self._braked = True
+        self._sent: tuple[float, float] | None = None
 
     def _rests(self) -> bool:
-        return self._braked
+        return self._sent is None
+
+    @property
+    def sent(self) -> tuple[float, float] | None:
+        """(v̇, ω̇) as last sent, within the limits; None where it was told to brake."""
+        return self._sent
 
     def accelerate(self, v_dot: float, omega_dot: float) -> None:
         """Send the nearest acceleration within the limits; brake if a number is not finite.
@@ -53,14 +58,12 @@ class StoppingAcceleratedRobot(Stopping):
         if not (math.isfinite(v_dot) and math.isfinite(omega_dot)):
             self.brake()
             return
-        limits = self.limits
+        most, most_turn = self.limits.acceleration, self.limits.turn_acceleration
+        sent = min(max(v_dot, -most), most), min(max(omega_dot, -most_turn), most_turn)
 
         def command() -> None:
-            self._braked = False
-            most, most_turn = limits.acceleration, limits.turn_acceleration
-            self._driven.accelerate(
-                min(max(v_dot, -most), most), min(max(omega_dot, -most_turn), most_turn)
-            )
+            self._sent = sent
+            self._driven.accelerate(*sent)
 
         self._carry_out(command)
 
@@ -70,7 +73,7 @@ class StoppingAcceleratedRobot(Stopping):
 
     def stop(self) -> None:
         """Brake at once."""
-        self._braked = True
+        self._sent = None
         self._robot.stop()
 
 

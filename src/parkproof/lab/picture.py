@@ -13,6 +13,32 @@ LEAST_SIDE = 8
 """Pictures with fewer rows or columns cannot hold a tag, one pixel a cell."""
 
 
+def as_picture(image: Image) -> Image:
+    """A picture as it is, and a picture without a pixel in the place of anything else.
+
+    Parameters
+    ----------
+    image : array of uint8
+        Grey (rows × columns, or rows × columns × 1), or RGB; or what a camera gave in its place.
+
+    Returns
+    -------
+    array of uint8
+        Rows × columns, or rows × columns × 3.
+
+    Examples
+    --------
+    >>> as_picture(np.zeros((1, 2, 3), np.uint8)).shape, as_picture(np.zeros((4, 4))).shape
+    ((1, 2, 3), (0, 0))
+    """
+    if isinstance(image, np.ndarray) and image.dtype == np.uint8:
+        if image.ndim == 3 and image.shape[2] == 1:
+            return image[:, :, 0]
+        if image.ndim == 2 or (image.ndim == 3 and image.shape[2] == 3):
+            return image
+    return np.zeros((0, 0), np.uint8)
+
+
 def checked_picture(image: Image) -> Image:
     """Return a picture, or raise if it is none.
 

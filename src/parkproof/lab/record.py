@@ -11,9 +11,6 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-import numpy as np
-
-from parkproof.errors import InputError
 from parkproof.extras import require
 from parkproof.lab.devices import Camera, Clock, Frame, Image, Missing
 from parkproof.lab.entries import (
@@ -25,6 +22,7 @@ from parkproof.lab.entries import (
     Missed,
     Readings,
 )
+from parkproof.lab.picture import as_picture
 from parkproof.lab.run_file import Item, RunFile
 from parkproof.lab.worker import Worker
 
@@ -63,6 +61,7 @@ class Recorder:
 
     Examples
     --------
+    >>> import numpy as np
     >>> with Recorder(directory / "run.mcap", settings={"tag": 7}) as recorder:
     ...     recorder.frame(Frame(np.zeros((48, 64), np.uint8), t=0.0, number=0), arrived=0.066)
     ...     recorder.command(0.07, 0.1, 0.0, step=1)
@@ -128,14 +127,8 @@ class Recorder:
         self._boundary = len(self._readings)
 
     def frame(self, frame: Frame, arrived: float) -> None:
-        """Record a frame and when it came, in s.
-
-        Raises
-        ------
-        InputError
-            If its picture is not grey or RGB of 8 bits.
-        """
-        image = _checked(frame.image)
+        """Record a frame and when it came, in s; without a pixel if it holds no picture."""
+        image = as_picture(frame.image)
         self._flush_readings()
         self._hand_over()
         self.frames += 1
@@ -189,10 +182,12 @@ class Recorder:
         step: int,
         *,
         accelerations: tuple[float, float] | None = None,
+        asked: tuple[float, float] | None = None,
+        halted: float | None = None,
     ) -> None:
         """Record a command sent at t: v in m/s, omega in rad/s, and the step of the law.
 
-        See `parkproof.lab.entries.Commanded` for a robot that takes accelerations.
+        See `parkproof.lab.entries.Commanded` for the rest.
         """
         self._now = float(t)
         self._log(
@@ -202,6 +197,8 @@ class Recorder:
                 omega=float(omega),
                 step=int(step),
                 accelerations=_floats(accelerations),
+                asked=_floats(asked),
+                halted=None if halted is None else float(halted),
             )
         )
         self._hand_over()
@@ -287,16 +284,3 @@ class _WatchedClock:
 def _floats(values: Sequence[float] | None) -> Any:
     """Plain floats, of NumPy's or others."""
     return None if values is None else tuple(float(value) for value in values)
-
-
-def _checked(image: Image) -> Image:
-    """The picture, if it is one."""
-    array = np.asarray(image)
-    if array.dtype != np.uint8 or not (
-        array.ndim == 2 or (array.ndim == 3 and array.shape[2] == 3)
-    ):
-        raise InputError(
-            f"frame of shape {array.shape} and type {array.dtype}: must be grey (rows × columns) "
-            "or RGB (rows × columns × 3) of type uint8"
-        )
-    return array

@@ -269,7 +269,7 @@ class StoppingRobot(Stopping):
 
     @property
     def sent(self) -> tuple[float, float]:
-        """(v, ω) as last sent, within all limits."""
+        """(v, ω) as last sent, within all limits; zeros where it was stopped meanwhile."""
         return self._sent
 
     def _rests(self) -> bool:
