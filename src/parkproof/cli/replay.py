@@ -7,7 +7,7 @@ def replay(recording: Path, /, *, quiet: bool = False) -> int:
     """Carry out a recorded run of the laboratory again, and compare the commands.
 
     Estimator, law and safety are run on the recorded pictures and times. The exit status is 0 if
-    every command is the same as the one that was sent, and 1 if one differs.
+    every command is the same as the one that was sent, and 1 if one differs or cannot be compared.
 
     Parameters
     ----------
