@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from parkproof.cli import main
-from parkproof.lab.accelerated_parker import AcceleratedParker, commanded_by
+from parkproof.lab.accelerated_parker import AcceleratedParker
 from parkproof.lab.accelerated_watchdog import StoppingAcceleratedRobot
 from parkproof.lab.answer import Phase
 from parkproof.lab.devices import Frame, Missing, WallClock
@@ -18,6 +18,7 @@ from parkproof.lab.estimate import Sighting
 from parkproof.lab.limits import limited_acceleration
 from parkproof.lab.loop import LabOutcome, run_lab
 from parkproof.lab.observer import AcceleratedEstimator
+from parkproof.lab.parker_for import commanded_by
 from parkproof.lab.predict import CommandHistory, GoalPose, advanced
 from parkproof.lab.replay import replayed
 from parkproof.lab.safety import Alarm

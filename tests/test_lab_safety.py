@@ -13,12 +13,13 @@ from parkproof.lab.estimate import Estimate, Sighting
 from parkproof.lab.frame_rate import FrameRate
 from parkproof.lab.goal import Goal
 from parkproof.lab.image_pose import TagMount
-from parkproof.lab.parker import AT_MOST, Parker
+from parkproof.lab.parker import AT_MOST
 from parkproof.lab.predict import CommandHistory, GoalPose, Motion, advanced
 from parkproof.lab.safety import Alarm, Guard, SafetyLimits
 from parkproof.lab.stall import StallWatch
 from parkproof.lab.tag import TagDetector
 from parkproof.lab.teach import teach
+from parkproof.lab.velocity_parker import VelocityParker
 from parkproof.lab.view import ImageView
 from parkproof.lab.watchdog import StoppingRobot
 from parkproof.lab.world.model import tag_texture
@@ -55,7 +56,7 @@ class Driven:
     """A parker that is given pictures at the camera's rate."""
 
     def __init__(self) -> None:
-        self.parker, self.k, self.events = Parker(goal(), LIMITS), 0, []
+        self.parker, self.k, self.events = VelocityParker(goal(), LIMITS), 0, []
 
     def see(self, image: np.ndarray | Missing, frames: int = 1, *, late: float = 0.066):
         for _ in range(frames):
@@ -201,7 +202,7 @@ def test_a_robot_that_comes_to_the_border_again_and_again_is_given_up(monkeypatc
 
 
 def test_a_camera_of_half_the_rate_is_driven_with_and_told_of():
-    parker, events, k = Parker(goal(), LIMITS), [], 0
+    parker, events, k = VelocityParker(goal(), LIMITS), [], 0
     while k < 30:
         k += 1
         now = k / RATE

@@ -4,14 +4,14 @@ import math
 
 from parkproof.bounds import Bounds
 from parkproof.lab.accelerated_pilot import AcceleratedPilot, accelerated_time
-from parkproof.lab.devices import AcceleratedRobot, Robot, RobotLimits
+from parkproof.lab.devices import RobotLimits
 from parkproof.lab.estimate import Estimate, Estimator
 from parkproof.lab.goal import Goal
 from parkproof.lab.observer import AcceleratedEstimator
 from parkproof.lab.parker import Parker
 from parkproof.lab.pilot import Course
 from parkproof.lab.safety import SafetyLimits
-from parkproof.lab.settings import CommandedBy, LabSettings
+from parkproof.lab.settings import LabSettings
 from parkproof.lab.stall import AcceleratedStallWatch, StallWatch
 
 STANDING, STANDING_TURN = 0.01, 0.1
@@ -131,44 +131,3 @@ class AcceleratedParker(Parker):
             gamma=motors,
             disturbance=(push / self._goal.mount.side, twist),
         )
-
-
-def commanded_by(robot: Robot | AcceleratedRobot) -> CommandedBy:
-    """What a robot takes.
-
-    Parameters
-    ----------
-    robot : Robot or AcceleratedRobot
-        The robot.
-
-    Returns
-    -------
-    str
-        "velocity" or "torque".
-    """
-    return "torque" if isinstance(robot, AcceleratedRobot) else "velocity"
-
-
-def parker_for(
-    commanded: CommandedBy,
-    goal: Goal,
-    limits: RobotLimits,
-    settings: LabSettings | None = None,
-    safety: SafetyLimits | None = None,
-) -> Parker:
-    """Make the parker for a kind of robot.
-
-    Parameters
-    ----------
-    commanded : "velocity" or "torque"
-        What the robot takes.
-    goal, limits, settings, safety
-        See `parkproof.lab.parker.Parker`.
-
-    Returns
-    -------
-    Parker
-        The parker.
-    """
-    kind = AcceleratedParker if commanded == "torque" else Parker
-    return kind(goal, limits, settings, safety)

@@ -9,7 +9,6 @@ from typing import Any
 
 import msgspec
 
-from parkproof.lab.accelerated_parker import commanded_by, parker_for
 from parkproof.lab.accelerated_watchdog import stopping
 from parkproof.lab.answer import Answer, Phase
 from parkproof.lab.carry_out import carry_out
@@ -24,6 +23,7 @@ from parkproof.lab.devices import (
 )
 from parkproof.lab.entries import Event
 from parkproof.lab.goal import Goal
+from parkproof.lab.parker_for import commanded_by, parker_for
 from parkproof.lab.record import Recorder
 from parkproof.lab.safety import SafetyLimits
 from parkproof.lab.settings import LabSettings

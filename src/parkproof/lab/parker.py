@@ -17,9 +17,8 @@ from parkproof.lab.estimate import Estimate, Estimator
 from parkproof.lab.frame_rate import FrameRate
 from parkproof.lab.goal import Goal
 from parkproof.lab.image_pose import ImagePose
-from parkproof.lab.limits import limited
-from parkproof.lab.pilot import Course, Pilot, Pulses
-from parkproof.lab.plan import PACES, Drive, driven_time
+from parkproof.lab.pilot import Course
+from parkproof.lab.plan import Drive
 from parkproof.lab.planning import Planner
 from parkproof.lab.predict import CommandHistory
 from parkproof.lab.safety import Alarm, Guard, SafetyLimits
@@ -34,9 +33,6 @@ AT_MOST = {Alarm.BORDER: 8, Alarm.STALLED: 3, Alarm.FROZEN: 3}
 AT_ONCE = (Alarm.STALLED, Alarm.FROZEN)
 """Alarms that have waited long enough before they are raised."""
 
-FREE_TURN = 0.1
-"""Share of the speed limit above which small turn rates need no pulses: the wheels turn anyway."""
-
 
 @dataclass
 class _Memory:
@@ -44,7 +40,6 @@ class _Memory:
 
     phase: Phase = Phase.WAITING
     alarm: Alarm | None = None
-    pilot: Pilot | None = None
     course: Course | None = None
     sent: tuple[float, float] = (0.0, 0.0)
     called: float | None = None
@@ -59,7 +54,9 @@ class _Memory:
 
 
 class Parker:
-    """Parks a robot as it was shown.
+    """Parks a robot as it was shown: what all kinds of robot have in common.
+
+    `parkproof.lab.velocity_parker` and `parkproof.lab.accelerated_parker` hold the rest.
 
     Parameters
     ----------
@@ -71,7 +68,7 @@ class Parker:
         Law, times and tolerances.
     safety : SafetyLimits, optional
         When something is wrong.
-    drive : callable, optional
+    drive : callable
         How courses are driven in advance.
     quickest : float
         Largest time scale of Step 2.
@@ -89,8 +86,8 @@ class Parker:
         settings: LabSettings | None = None,
         safety: SafetyLimits | None = None,
         *,
-        drive: Drive = driven_time,
-        quickest: float = PACES[0],
+        drive: Drive,
+        quickest: float,
     ) -> None:
         self._goal, self._limits = goal, limits
         self._settings, self._safety = settings or LabSettings(), safety or SafetyLimits()
@@ -112,7 +109,6 @@ class Parker:
             quickest=quickest,
         )
         self._frames = FrameRate(self._settings.rate)
-        self._pulses = Pulses(limits.least_speed), Pulses(limits.least_turn_rate)
         self._now = _Memory()
 
     @property
@@ -186,20 +182,37 @@ class Parker:
         halted : float, optional
             When the robot was stopped since the command before, in s.
         """
-        self._now.sent = sent or (0.0, 0.0)
-        self._history.replace_last(*self._now.sent, halted=halted)
-        if halted is not None and self._now.pilot is not None:
-            self._now.pilot.rest()
+        raise NotImplementedError
 
     def _new_estimator(self) -> Estimator:
-        return Estimator(delay=self._settings.delay)
+        raise NotImplementedError
 
     def _new_stall_watch(self) -> StallWatch:
-        return StallWatch(self._limits, delay=self._settings.delay)
+        raise NotImplementedError
 
     def _remember(self, now: float) -> None:
         """Keep what is sent, for the prediction."""
-        self._history.add(now, *self._now.sent)
+        raise NotImplementedError
+
+    def _held(self) -> tuple[float, float]:
+        """What is sent while it is not yet clear that something is wrong."""
+        raise NotImplementedError
+
+    def _slowed(self, dt: float) -> tuple[float, float]:
+        """What is sent to stop."""
+        raise NotImplementedError
+
+    def _stands(self, estimate: Estimate) -> bool:
+        """Whether the robot stands still."""
+        raise NotImplementedError
+
+    def _drive(self, estimate: Estimate, now: float, dt: float) -> tuple[float, float]:
+        """The command of the course, unless it leads out of the picture."""
+        raise NotImplementedError
+
+    def _take_pilot(self, course: Course) -> None:
+        """Have a course driven from now on."""
+        raise NotImplementedError
 
     def _recorded(self, shown: ImagePose) -> tuple[float, float, float, float, float]:
         """An image pose with a in px/m."""
@@ -253,34 +266,6 @@ class Parker:
             return self._drive(estimate, now, dt)
         return self._slowed(dt)
 
-    def _held(self) -> tuple[float, float]:
-        """What is sent while it is not yet clear that something is wrong."""
-        return self._now.sent
-
-    def _slowed(self, dt: float) -> tuple[float, float]:
-        """What is sent to stop."""
-        return limited(0.0, 0.0, *self._now.sent, dt, self._limits)
-
-    def _stands(self, _estimate: Estimate) -> bool:
-        """Whether the robot stands still."""
-        return self._now.sent == (0.0, 0.0)
-
-    def _drive(self, estimate: Estimate, now: float, dt: float) -> tuple[float, float]:
-        """The command of the course, unless it leads out of the picture."""
-        memory = self._now
-        assert memory.pilot is not None  # a course was begun
-        asked = memory.pilot.step(
-            now, dt, estimate.ahead, beta=estimate.beta, motion=estimate.motion
-        )
-        self._in_step(asked.step, now)
-        if alarm := self._guard.of_motion(
-            estimate, asked.v, asked.omega, scale=self._tracker.scale
-        ):
-            self._stop(alarm, now)
-            return self._slowed(dt)
-        self._arrived(asked.parked, now)
-        return self._shaped(asked.v, asked.omega, dt)
-
     def _in_step(self, step: int, now: float) -> None:
         """Keep the step that the law is in."""
         if step != self._now.step and step >= 0:
@@ -292,13 +277,6 @@ class Parker:
         if parked != (self._now.phase is Phase.PARKED):
             self._now.phase = Phase.PARKED if parked else Phase.DRIVING
             self._tell(now, "parked" if parked else "moved", self._parked_sentence())
-
-    def _shaped(self, v: float, omega: float, dt: float) -> tuple[float, float]:
-        """Pulses in place of what is below the robot's dead-band, within all limits."""
-        shaped_v, shaped_omega = self._pulses[0].shaped(v, dt), omega
-        if abs(shaped_v) < FREE_TURN * self._limits.speed:
-            shaped_omega = self._pulses[1].shaped(omega, dt)
-        return limited(shaped_v, shaped_omega, *self._now.sent, dt, self._limits)
 
     def _begin(self, estimate: Estimate, now: float) -> None:
         """Choose a course from where the robot stands."""
@@ -329,17 +307,6 @@ class Parker:
         """Drive no more, and say why."""
         self._now.phase, self._now.alarm = Phase.REFUSED, None
         self._tell(now, "refused", sentence, level=2)
-
-    def _take_pilot(self, course: Course) -> None:
-        """Have a course driven from now on."""
-        self._now.pilot = Pilot(
-            course,
-            self._bounds(self._settings.motor_error, 1.0),
-            self._limits,
-            side=self._goal.mount.side,
-            period=self.period,
-            arrival=self._arrival,
-        )
 
     def _bounds(self, error: float, share: float) -> Bounds:
         """Bounds of a in goal units per tag side, from frames seen, with the motors' error.

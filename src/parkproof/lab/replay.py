@@ -6,10 +6,10 @@ from pathlib import Path
 import msgspec
 
 from parkproof.errors import InputError
-from parkproof.lab.accelerated_parker import parker_for
 from parkproof.lab.devices import Missing, RobotLimits
 from parkproof.lab.entries import Commanded
 from parkproof.lab.goal import Goal
+from parkproof.lab.parker_for import parker_for
 from parkproof.lab.recording import Recording
 from parkproof.lab.safety import SafetyLimits
 from parkproof.lab.settings import CommandedBy, LabSettings
