@@ -8,8 +8,7 @@ to there.
 
 from collections.abc import Sequence
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 from parkproof.extras import require
 from parkproof.lab.devices import Camera, Clock, Frame, Image, Missing
@@ -24,13 +23,13 @@ from parkproof.lab.entries import (
 )
 from parkproof.lab.picture import as_picture
 from parkproof.lab.run_file import Item, RunFile
-from parkproof.lab.worker import Worker
+from parkproof.lab.worker import Worker, WrittenBeside
 
 WAITING_FRAMES = 60
 """So many pictures may wait to be encoded: two seconds' worth."""
 
 
-class Recorder:
+class Recorder(WrittenBeside):
     """Writes a run to a file while it goes on, without holding it up.
 
     Encoding and writing happen in a thread beside the loop. Use it in a ``with`` block, so that the
@@ -80,26 +79,14 @@ class Recorder:
         require("cv2", "mcap", "mcap_ros2", extra="lab", purpose="recording a run")
         self._path = Path(path)
         self._file = RunFile(path, settings=settings, epoch=epoch)
-        self._worker = Worker("recording", capacity=WAITING_FRAMES, realtime=realtime)
+        super().__init__(Worker("recording", capacity=WAITING_FRAMES, realtime=realtime))
         self._pending: list[Item] = []
         self._readings: list[float] = []
         self._boundary = 0
         self._sequence = 0
         self._now = 0.0
-        self._closed = False
         self.frames = 0
         self.lost = 0
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
 
     @property
     def fault(self) -> str | None:
@@ -211,19 +198,13 @@ class Recorder:
         self._now = float(t)
         self._log(Event(t=self._now, name=name, sentence=sentence, level=int(level)))
 
-    def close(self) -> None:
-        """Write what still waits and close the file. May be called twice."""
-        if self._closed:
-            return
-        self._closed = True
+    def _flush(self) -> None:
         self.mark()
         self._flush_readings()
         self._hand_over()
-        self._worker.do(self._finish)
-        try:
-            self._worker.close()
-        finally:
-            self._file.close()
+
+    def _let_go(self) -> None:
+        self._file.close()
 
     def _flush_readings(self) -> None:
         """Log what the clock said since the camera was read before this time."""
