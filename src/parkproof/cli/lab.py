@@ -7,6 +7,7 @@ from cyclopts import Parameter
 
 if TYPE_CHECKING:
     from parkproof.cli.console import Report
+    from parkproof.lab.devices import Clock
     from parkproof.lab.goal import Goal
     from parkproof.lab.loop import Finished, Watch
     from parkproof.lab.settings import LabSettings
@@ -128,16 +129,19 @@ class _Making:
     ) -> None:
         self.directory, self.settings = directory, settings
         self._report, self._video, self._recording = report, video, recording
+        self._known: dict[str, Any] = {}
 
     def carry_out(
         self,
         goal: "Goal",
-        limits: Any,
+        robot: Any,
+        clock: "Clock",
         run: Any,
         *,
         realtime: bool,
     ) -> tuple[Any, list[str]]:
         """Run with recorder and film as wanted; what it gave, and what was not written whole."""
+        import time
         from contextlib import ExitStack
 
         from parkproof.lab.film import Film
@@ -146,13 +150,19 @@ class _Making:
         from parkproof.lab.safety import SafetyLimits
 
         goal.write(self.directory / "goal.json")
-        safety, settings = SafetyLimits(), self.settings
+        settings = self.settings
+        self._known = replay_settings(goal, robot, settings, SafetyLimits())
         with ExitStack() as stack:
             recorder = film = None
             if self._recording:
-                known = replay_settings(goal, limits, settings, safety)
-                path = self.directory / "run.mcap"
-                recorder = stack.enter_context(Recorder(path, settings=known, realtime=realtime))
+                recorder = stack.enter_context(
+                    Recorder(
+                        self.directory / "run.mcap",
+                        settings=self._known,
+                        epoch=time.time() - clock.now(),
+                        realtime=realtime,
+                    )
+                )
             if self._video:
                 path = self.directory / "run.mp4"
                 film = stack.enter_context(Film(path, goal, settings.rate, realtime=realtime))
@@ -202,10 +212,11 @@ class _Making:
             samples=finished.samples,
             frames=finished.frames,
             latencies=finished.latencies,
-            image_error=None if judged is None else judged.image_error,
+            image_error=finished.seen_error(goal) if judged is None else judged.image_error,
             true_error=None if judged is None else judged.true_error,
             events=finished.events,
             notes=[*notes, *([finished.note] if finished.note else [])],
+            settings=self._known,
         )
         write_summary(run, self.directory / "summary.json")
         write_trajectory(run, self.directory / "trajectory.parquet")
@@ -246,7 +257,7 @@ def _simulated(
                 world, goal, settings=making.settings, recorder=recorder, watch=watch
             )
 
-        judged, notes = making.carry_out(goal, world.robot, run, realtime=False)
+        judged, notes = making.carry_out(goal, world.robot, world.clock, run, realtime=False)
     return making.write(goal, judged.run, notes, judged)
 
 
@@ -274,7 +285,7 @@ def _real(making: _Making, goal_file: Path, source: str, address: str) -> dict[s
                 watch=watch,
             )
 
-        finished, notes = making.carry_out(goal, robot, run, realtime=True)
+        finished, notes = making.carry_out(goal, robot, WallClock(), run, realtime=True)
     finally:
         camera.close()
     return making.write(goal, finished, notes, None)
@@ -299,7 +310,7 @@ def _print(console: Any, summary: dict[str, Any]) -> None:
             "frames",
             f"{frames['seen']} with the tag, {frames['without_tag']} without, "
             f"{frames['dropped']} dropped"
-            + ("" if unseen is None else f", {unseen} with the robot out of view"),
+            + ("" if unseen is None else f", {unseen} with the tag out of view"),
         )
     )
     if latency:

@@ -1,6 +1,7 @@
 """The loop of the laboratory: a frame in, a command out, until the robot is parked and held."""
 
 import enum
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -8,7 +9,9 @@ from typing import Any
 
 import msgspec
 
-from parkproof.lab.accelerated_parker import commanded_by, parker_for
+from parkproof.lab.accelerated_watchdog import stopping
+from parkproof.lab.answer import Answer, Phase
+from parkproof.lab.carry_out import carry_out
 from parkproof.lab.devices import (
     AcceleratedRobot,
     Camera,
@@ -20,12 +23,11 @@ from parkproof.lab.devices import (
 )
 from parkproof.lab.entries import Event
 from parkproof.lab.goal import Goal
-from parkproof.lab.parker import Answer, Phase
+from parkproof.lab.parker_for import commanded_by, parker_for
 from parkproof.lab.record import Recorder
 from parkproof.lab.safety import SafetyLimits
 from parkproof.lab.settings import LabSettings
-from parkproof.lab.summary import FrameCounts, Sample
-from parkproof.lab.watchdog import StoppingAcceleratedRobot, StoppingRobot, stopping
+from parkproof.lab.summary import Error, FrameCounts, Sample
 
 DEAD_MAN = 0.3
 """Time without a command in s after which a thread stops a real robot."""
@@ -63,7 +65,7 @@ _SENTENCES = {
     LabOutcome.REFUSED: (
         "Refused before it moved: no course from the start stays inside the picture."
     ),
-    LabOutcome.GAVE_UP: "Stopped on the way: no course from there stays inside the picture.",
+    LabOutcome.GAVE_UP: "Stopped on the way, and given up.",
     LabOutcome.STILL_MOVING: "The time ran out before the robot was parked and held.",
     LabOutcome.NEVER_SEEN: "The robot's tag was never seen, and the robot did not move.",
     LabOutcome.CAMERA_ENDED: "The camera ended; the robot was stopped.",
@@ -93,7 +95,7 @@ class Finished:
     events : list of Event
         What happened; times from the beginning.
     note : str
-        What the robot said when it fell silent.
+        What the robot said when it fell silent, or why the run was given up.
     """
 
     outcome: LabOutcome = LabOutcome.STILL_MOVING
@@ -105,6 +107,27 @@ class Finished:
     latencies: list[float] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
     note: str = ""
+
+    def seen_error(self, goal: Goal) -> Error | None:
+        """How far from its goal the robot was seen last, in px; None if it never was.
+
+        Parameters
+        ----------
+        goal : Goal
+            Where to park.
+
+        Returns
+        -------
+        Error or None
+            By the estimate: where the truth is not known there is no other.
+        """
+        if not self.samples:
+            return None
+        last = self.samples[-1]
+        return Error(
+            distance=goal.unit * math.hypot(last.x0, last.x1),
+            heading_deg=math.degrees(abs(last.psi)),
+        )
 
 
 Watch = Callable[[Frame | Missing, Answer], None]
@@ -179,27 +202,17 @@ def run_lab(
         try:
             run.begin(watched.now())
             while run.outcome is None:
-                reading = eye.read(PATIENCE / settings.rate)
+                reading = eye.read(min(PATIENCE * parker.period, safety.patience))
                 now = watched.now()
                 started = time.perf_counter()
                 answer = parker.step(reading, now)
-                _carry_out(safe, answer)
+                answer = carry_out(safe, parker, answer)
                 run.take(reading, now, answer, time.perf_counter() - started)
         except RobotSilentError as error:
             run.outcome, run.finished.note = LabOutcome.ROBOT_SILENT, str(error)
         except KeyboardInterrupt:
             run.outcome = LabOutcome.INTERRUPTED
     return run.end()
-
-
-def _carry_out(safe: StoppingRobot | StoppingAcceleratedRobot, answer: Answer) -> None:
-    """Send a command."""
-    if isinstance(safe, StoppingRobot):
-        safe.send(answer.v, answer.omega)
-    elif answer.accelerations is None:
-        safe.brake()
-    else:
-        safe.accelerate(*answer.accelerations)
 
 
 class _Run:
@@ -254,7 +267,10 @@ class _Run:
         if reading is Missing.ENDED:
             return LabOutcome.CAMERA_ENDED
         if answer.phase is Phase.REFUSED and (answer.v, answer.omega) == (0.0, 0.0):
-            return LabOutcome.GAVE_UP if self._courses else LabOutcome.REFUSED
+            if not self._courses:
+                return LabOutcome.REFUSED
+            run.note = next(e.sentence for e in reversed(run.events) if e.name == "refused")
+            return LabOutcome.GAVE_UP
         if run.parked_at is not None and now - run.parked_at >= settings.hold:
             return LabOutcome.PARKED
         if now - run.began >= settings.duration:
@@ -288,6 +304,7 @@ def _sample(answer: Answer, began: float) -> Sample:
         omega=answer.omega,
         step=max(answer.step, 0),
         beta=estimate.beta,
+        tau=answer.tau,
     )
 
 
@@ -300,6 +317,7 @@ def _record(recorder: Recorder, reading: Frame | Missing, now: float, answer: An
         estimate = answer.estimate
         recorder.measured(
             reading.t,
+            image=answer.image,
             corners=None if answer.tag is None else answer.tag.corners,
             estimate=None if estimate is None else estimate.pose,
             prediction=None if estimate is None else estimate.ahead,
@@ -308,5 +326,11 @@ def _record(recorder: Recorder, reading: Frame | Missing, now: float, answer: An
     for event in answer.events:
         recorder.event(event.t, event.name, event.sentence, level=event.level)
     recorder.command(
-        answer.t, answer.v, answer.omega, answer.step, accelerations=answer.accelerations
+        answer.t,
+        answer.v,
+        answer.omega,
+        answer.step,
+        accelerations=answer.accelerations,
+        asked=answer.asked,
+        halted=answer.halted,
     )

@@ -31,6 +31,9 @@ class Alarm(enum.Enum):
     STALE = "frames come too late"
     CLOCK = "the time stamps of the frames jump"
     JUMP = "the robot jumped farther than it can drive"
+    NO_POSE = "the tag is seen where the robot cannot be"
+    STALLED = "the robot does not move as it is told"
+    FROZEN = "the picture stands still while the robot is told to move"
     BORDER = "the robot comes too near the border of the picture"
 
     @property
