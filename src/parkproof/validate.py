@@ -105,6 +105,39 @@ def not_negative(name: str, value: float) -> float:
     return float(value)
 
 
+def whole_number(name: str, value: int) -> int:
+    """Return a whole number, or raise if it is not one or is negative.
+
+    Parameters
+    ----------
+    name : str
+        What it is called where the user wrote it.
+    value : int
+        The number.
+
+    Returns
+    -------
+    int
+        The number.
+
+    Raises
+    ------
+    InputError
+        If it is no whole number, or below 0.
+
+    Examples
+    --------
+    >>> whole_number("seed", 3)
+    3
+    """
+    if isinstance(value, bool) or not isinstance(value, int) or value < 0:
+        raise InputError(
+            f"{name} = {value!r}: must be a whole number, not negative; "
+            f"write for example {name} = 0"
+        )
+    return value
+
+
 def increasing(name: str, values: Sequence[float]) -> tuple[float, float]:
     """Return a pair (low, high) of finite floats, or raise if it is crossed.
 

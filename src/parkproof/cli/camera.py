@@ -114,7 +114,7 @@ def _simulated(file: Path | None, as_json: bool, turning: tuple[float, float, in
     require("mujoco", extra="lab", purpose="the simulated laboratory")
     from parkproof.errors import InputError
     from parkproof.lab.world import World
-    from parkproof.lab.world.accelerated import WorldAcceleratedRobot
+    from parkproof.lab.world.devices import WorldAcceleratedRobot
     from parkproof.lab.world.settings import example_world, read_world
 
     settings = example_world() if file is None else read_world(file)
