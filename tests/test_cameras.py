@@ -5,6 +5,7 @@ import subprocess
 import sys
 import threading
 import time
+import zlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -182,6 +183,18 @@ def test_a_corrupt_image_ends_the_footage_and_is_named(tmp_path):
     assert camera.why_ended.endswith("002.png cannot be read as an image")
     (tmp_path / "000.png").write_bytes(b"no image")
     with pytest.raises(InputError, match=r"000\.png cannot be read as an image; choose"):
+        open_camera(str(tmp_path))
+
+
+def test_an_image_that_announces_more_pixels_than_there_can_be_is_refused(tmp_path):
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        whole = kind + data
+        return len(data).to_bytes(4, "big") + whole + zlib.crc32(whole).to_bytes(4, "big")
+
+    head = (60_000).to_bytes(4, "big") * 2 + bytes([8, 2, 0, 0, 0])
+    data = b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(bytes(999)))
+    (tmp_path / "0.png").write_bytes(data + chunk(b"IEND", b""))
+    with pytest.raises(InputError, match=r"0\.png cannot be read as an image"):
         open_camera(str(tmp_path))
 
 

@@ -7,15 +7,20 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from parkproof.cli import main
-from parkproof.lab.devices import Missing, RobotLimits, RobotSilentError
+from parkproof.lab.devices import Frame, Missing, RobotLimits, RobotSilentError
+from parkproof.lab.image_pose import TagMount
 from parkproof.lab.loop import LabOutcome, run_lab
 from parkproof.lab.replay import replayed
 from parkproof.lab.settings import LabSettings
 from parkproof.lab.simulated import run_simulated, shown_goal
+from parkproof.lab.tag import TagDetector
+from parkproof.lab.teach import teach
 from parkproof.lab.world import RobotSettings, World, WorldSettings, random_world
+from tag_pictures import picture, view
 
 SHORT = LabSettings(hold=2.0, duration=60.0)
 
@@ -76,6 +81,8 @@ def test_commands_stay_within_the_limits_of_a_weaker_robot():
 class Ends:
     """A camera that ends after some frames."""
 
+    why_ended = "the cable was pulled"
+
     def __init__(self, world: World, frames: int) -> None:
         self._eye, self._left = world.camera, frames
 
@@ -118,6 +125,7 @@ def test_a_camera_that_ends_and_a_robot_that_is_silent_end_the_run_with_the_robo
         eye, clock = Ends(world, 40), world.clock
         found = run_lab(eye, world.robot, clock, goal, settings=SHORT, realtime=False)
         assert found.outcome is LabOutcome.CAMERA_ENDED
+        assert found.note == "the cable was pulled"
         assert world.truth()[6:8] == (0.0, 0.0)
         robot = Silent(world, 40)
         found = run_lab(world.camera, robot, clock, goal, settings=SHORT, realtime=False)
@@ -125,6 +133,65 @@ def test_a_camera_that_ends_and_a_robot_that_is_silent_end_the_run_with_the_robo
         assert "0.5 s" in found.note
         assert robot.stops > 0
         assert world.truth()[6:8] == (0.0, 0.0)
+
+
+class Shows:
+    """A camera that shows one picture again and again."""
+
+    def __init__(self, image: np.ndarray) -> None:
+        self._image, self.number = image, 0
+
+    def read(self, _timeout: float) -> Frame:
+        self.number += 1
+        return Frame(self._image, t=self.now(), number=self.number)
+
+    def close(self) -> None:
+        pass
+
+    def now(self) -> float:
+        return self.number / 30.0
+
+
+STANDS = view((350.0, 260.0), 40.0)
+ELSEWHERE = view((150.0, 160.0), 40.0)
+
+
+@pytest.mark.parametrize(
+    ("image", "says"),
+    [
+        (picture((3, STANDS), (12, ELSEWHERE)), "shows tags 3, 12, but not tag 7"),
+        (picture(), "shows no tag"),
+        (picture((7, STANDS), (7, ELSEWHERE)), "shows tag 7 more than once"),
+        (picture((7, STANDS))[:, ::-1], "as in a mirror"),
+        (np.zeros((240, 320), np.uint8), "320 × 240 pixels: the goal was taught with 640 × 480"),
+    ],
+)
+def test_a_robot_that_is_never_seen_ends_the_run_soon_and_says_what_is_seen(image, says):
+    goal = teach(Frame(picture((7, STANDS)), t=0.0, number=0), TagDetector(), TagMount(tag_id=7))
+    robot, camera = Hears(), Shows(np.ascontiguousarray(image))
+    found = run_lab(camera, robot, camera, goal, settings=LabSettings(wait=1.0), realtime=False)
+    assert found.outcome is LabOutcome.NEVER_SEEN
+    assert found.ended <= 1.1
+    assert says in found.note
+    assert robot.heard == {(0.0, 0.0)}
+
+
+class Hears:
+    """A robot that keeps what it is sent."""
+
+    limits = RobotSettings().limits()
+
+    def __init__(self) -> None:
+        self.heard: set[tuple[float, float]] = set()
+
+    def send(self, v: float, omega: float) -> None:
+        self.heard.add((v, omega))
+
+    def stop(self) -> None:
+        self.send(0.0, 0.0)
+
+    def close(self) -> None:
+        self.stop()
 
 
 def test_an_interrupted_run_stops_the_robot_and_keeps_what_there_is():

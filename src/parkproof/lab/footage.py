@@ -1,5 +1,6 @@
 """Recorded frames as a camera: a video file, or a folder of images."""
 
+import contextlib
 import csv
 import time
 from collections.abc import Iterator
@@ -273,7 +274,9 @@ def _images(frames: list[tuple[float, Path]]) -> Iterator[tuple[float, Image]]:
             data = np.frombuffer(file.read_bytes(), np.uint8)
         except OSError as error:  # removed, or its disk gone, since the footage was opened
             raise FootageError(f"{file} cannot be read: {error.strerror or error}") from error
-        image: Any = cv2.imdecode(data, cv2.IMREAD_ANYCOLOR) if data.size else None
+        image: Any = None
+        with contextlib.suppress(cv2.error):  # such as a header that announces too many pixels
+            image = cv2.imdecode(data, cv2.IMREAD_ANYCOLOR) if data.size else None
         if image is None or image.size == 0:
             raise FootageError(f"{file} cannot be read as an image")
         yield t, colours(np.asarray(image, np.uint8))

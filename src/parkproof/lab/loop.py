@@ -8,6 +8,7 @@ from typing import Any
 
 import msgspec
 
+from parkproof.errors import InputError
 from parkproof.lab.accelerated_parker import commanded_by, parker_for
 from parkproof.lab.devices import (
     AcceleratedRobot,
@@ -25,6 +26,7 @@ from parkproof.lab.record import Recorder
 from parkproof.lab.safety import SafetyLimits
 from parkproof.lab.settings import LabSettings
 from parkproof.lab.summary import FrameCounts, Sample
+from parkproof.lab.unseen import why_unseen
 from parkproof.lab.watchdog import StoppingAcceleratedRobot, StoppingRobot, stopping
 
 DEAD_MAN = 0.3
@@ -93,7 +95,10 @@ class Finished:
     events : list of Event
         What happened; times from the beginning.
     note : str
-        What the robot said when it fell silent.
+        What the robot said when it fell silent, why the camera ended, or what was seen in place of
+        the robot's tag.
+    stopped_by : str
+        The signal that interrupted it, as in "SIGINT"; empty if none did.
     """
 
     outcome: LabOutcome = LabOutcome.STILL_MOVING
@@ -105,6 +110,7 @@ class Finished:
     latencies: list[float] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
     note: str = ""
+    stopped_by: str = ""
 
 
 Watch = Callable[[Frame | Missing, Answer], None]
@@ -189,6 +195,11 @@ def run_lab(
             run.outcome, run.finished.note = LabOutcome.ROBOT_SILENT, str(error)
         except KeyboardInterrupt:
             run.outcome = LabOutcome.INTERRUPTED
+    if run.outcome is LabOutcome.CAMERA_ENDED:
+        run.finished.note = getattr(camera, "why_ended", "")
+    elif run.outcome is LabOutcome.NEVER_SEEN:
+        run.finished.note = _why_unseen(run.last, goal) or run.alarm
+    run.finished.stopped_by = safe.stopped_by
     return run.end()
 
 
@@ -202,6 +213,17 @@ def _carry_out(safe: StoppingRobot | StoppingAcceleratedRobot, answer: Answer) -
         safe.accelerate(*answer.accelerations)
 
 
+def _why_unseen(frame: Frame | None, goal: Goal) -> str:
+    """What the last frame shows in place of the robot; empty if it does show the robot."""
+    if frame is None:
+        return "the camera gave no picture; see that it is on and that no other program uses it"
+    try:
+        goal.check_picture(frame.image)
+        return why_unseen(frame.image, goal.mount.tag_id, flipped=goal.flipped)
+    except InputError as error:
+        return str(error)
+
+
 class _Run:
     """What becomes of a run, frame by frame."""
 
@@ -210,7 +232,8 @@ class _Run:
         self.outcome: LabOutcome | None = None
         self.finished = Finished()
         self._seen = self._blind = self._missing = self._dropped = 0
-        self._last_number: int | None = None
+        self.last: Frame | None = None
+        self.alarm = ""
         self._courses = 0
 
     def begin(self, now: float) -> None:
@@ -222,6 +245,7 @@ class _Run:
         run = self.finished
         run.ended = now
         self._count(reading, answer)
+        self.alarm = "" if answer.alarm is None else answer.alarm.sentence
         if isinstance(reading, Frame):
             run.latencies.append(latency)
         if answer.estimate is not None:
@@ -240,9 +264,9 @@ class _Run:
         if isinstance(reading, Missing):
             self._missing += 1
             return
-        if self._last_number is not None:
-            self._dropped += max(0, reading.number - self._last_number - 1)
-        self._last_number = reading.number
+        if self.last is not None:
+            self._dropped += max(0, reading.number - self.last.number - 1)
+        self.last = reading
         if answer.tag is None:
             self._blind += 1
         else:
@@ -257,9 +281,9 @@ class _Run:
             return LabOutcome.GAVE_UP if self._courses else LabOutcome.REFUSED
         if run.parked_at is not None and now - run.parked_at >= settings.hold:
             return LabOutcome.PARKED
-        if now - run.began >= settings.duration:
-            return LabOutcome.STILL_MOVING if run.samples else LabOutcome.NEVER_SEEN
-        return None
+        if not run.samples and now - run.began >= min(settings.wait, settings.duration):
+            return LabOutcome.NEVER_SEEN
+        return LabOutcome.STILL_MOVING if now - run.began >= settings.duration else None
 
     def end(self) -> Finished:
         """The run at its end."""

@@ -43,6 +43,8 @@ class LabSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         capture.
     position_px, heading_deg : float
         Within these of the goal, in px and degrees, the robot has arrived and rests.
+    wait : float
+        How long in s the camera is watched for the robot's tag to be seen for the first time.
     duration : float
         Longest time in s.
     hold : float
@@ -68,6 +70,7 @@ class LabSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     stamp_delay: float = 0.0
     position_px: float = 0.5
     heading_deg: float = 0.4
+    wait: float = 10.0
     duration: float = 90.0
     hold: float = 10.0
 
@@ -76,6 +79,7 @@ class LabSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
             ("rate", 30.0),
             ("position_px", 0.5),
             ("heading_deg", 0.4),
+            ("wait", 10.0),
             ("duration", 90.0),
         ):
             force_setattr(self, name, positive(name, getattr(self, name), example=example))
