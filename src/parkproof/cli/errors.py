@@ -48,9 +48,9 @@ def guarded(command: Callable[[], int]) -> int:
             sys.stdout.flush()
         except (Exception, KeyboardInterrupt) as error:
             if arrived:  # whatever a library has made of the exception that the signal raised
-                status = _stopped(arrived[0])
+                status = _stopped(arrived[0], error)
             elif isinstance(error, KeyboardInterrupt):
-                status = _stopped(signal.SIGINT)
+                status = _stopped(signal.SIGINT, error)
             elif not isinstance(error, BrokenPipeError):
                 status = _bad_input(error)
             else:  # whoever read the output, such as head, has had enough of it
@@ -58,17 +58,17 @@ def guarded(command: Callable[[], int]) -> int:
     return status
 
 
-def _stopped(number: int) -> int:
+def _stopped(number: int, error: BaseException) -> int:
     """Say that a signal stopped the program; the status is what shells make of it."""
     who = "Ctrl-C" if number == signal.SIGINT else signal.Signals(number).name
-    _tell(f"stopped by {who}; no half-written result is left; run the command again")
+    _tell(f"stopped by {who}; no half-written result is left; run the command again", error)
     return 128 + number
 
 
 def _bad_input(error: BaseException) -> int:
     """Say what a user can mend; anything else is an error in this program and goes on as it is."""
     if isinstance(error, InputError):
-        _tell(str(error))
+        _tell(str(error), error)
     elif isinstance(error, MemoryError):
         _tell("out of memory; write a longer control_period or a shorter duration in [run]")
     elif isinstance(error, OSError):
@@ -149,8 +149,9 @@ def usage_error(error: "CycloptsError") -> InputError:
     )
 
 
-def _tell(message: str) -> None:
-    """Write one line to standard error, whatever the message holds."""
+def _tell(message: str, error: BaseException | None = None) -> None:
+    """Write one line to standard error, whatever the message and the error's notes hold."""
+    message = "; ".join((message, *getattr(error, "__notes__", ())))
     line = "".join(c if c.isprintable() else repr(c)[1:-1] for c in " ".join(message.split()))
     with contextlib.suppress(OSError):  # nowhere to write it; the status still says it
         print(f"parkproof: {line}", file=sys.stderr, flush=True)
