@@ -1,22 +1,30 @@
 """Whole runs in the simulated laboratory: from pixels to parked."""
 
 import json
+import math
+import os
 import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
+import cv2
+import msgspec
 import numpy as np
 import pytest
 
 from parkproof.cli import main
+from parkproof.errors import InputError
 from parkproof.lab.devices import Frame, Missing, RobotLimits, RobotSilentError
 from parkproof.lab.image_pose import TagMount
 from parkproof.lab.loop import LabOutcome, run_lab
+from parkproof.lab.recording import Recording
 from parkproof.lab.replay import replayed
+from parkproof.lab.robot_simulator import UdpRobotSimulator
 from parkproof.lab.settings import LabSettings
-from parkproof.lab.simulated import run_simulated, shown_goal
+from parkproof.lab.simulated import floor_pose, run_simulated, shown_goal
 from parkproof.lab.tag import TagDetector
 from parkproof.lab.teach import teach
 from parkproof.lab.world import RobotSettings, World, WorldSettings, random_world
@@ -234,6 +242,8 @@ def test_ctrl_c_keeps_what_there_is_of_a_run_and_says_so(tmp_path):
     [
         (["--camera", "0"], "--goal"),
         (["--seed", "1", "--world", "w.toml"], "--seed"),
+        (["--start", "1"], "--seed"),
+        (["--start", "1", "--world", "w.toml"], "--seed"),
         (["--world", "none.toml"], "none.toml"),
         (["--set", "hold=-1"], "hold"),
         (["--set", "law=homogeneous"], "gains"),
@@ -249,6 +259,99 @@ def test_bad_input_is_one_sentence_and_leaves_nothing(arguments, says, tmp_path)
     assert says in done.stderr
     assert "Traceback" not in done.stderr
     assert not (tmp_path / "out").exists()
+
+
+def after(t: float, what: Callable[[], None]) -> Callable[..., Callable[..., None]]:
+    """In place of what watches a run: does something once the run is so old."""
+    done: list[float] = []
+
+    def watch(_reading, answer) -> None:
+        if answer.t > t and not done:
+            done.append(answer.t)
+            what()
+
+    return lambda *_: watch
+
+
+@pytest.fixture
+def undrawn(monkeypatch):
+    """Leave out the drawing of overviews, which takes longest."""
+    monkeypatch.setattr("parkproof.report.lab.lab_pictures", lambda *_: None)
+
+
+def raise_(error: BaseException) -> None:
+    raise error
+
+
+@pytest.mark.usefixtures("undrawn")
+@pytest.mark.parametrize(("name", "status"), [("SIGTERM", 143), ("SIGHUP", 129)])
+def test_a_request_to_end_and_a_closed_terminal_have_their_own_status(
+    name, status, tmp_path, monkeypatch
+):
+    stop = after(1.0, lambda: os.kill(os.getpid(), getattr(signal, name)))
+    monkeypatch.setattr("parkproof.cli.lab_results.LabResults._watch", stop)
+    out = tmp_path / "out"
+    assert main(["lab", "--out", str(out), "--no-video", "--no-recording", "--quiet"]) == status
+    assert json.loads((out / "summary.json").read_text())["outcome"] == "interrupted"
+
+
+def test_a_run_that_breaks_off_leaves_its_recording_and_says_where(tmp_path, monkeypatch, capsys):
+    out = tmp_path / "out"
+    for error in (RuntimeError("a fault in a driver"), InputError("out of the camera's reach")):
+        broken = after(1.0, lambda error=error: raise_(error))
+        monkeypatch.setattr("parkproof.cli.lab_results.LabResults._watch", broken)
+        call = ["lab", "--out", str(out), "--no-video", "--quiet"]
+        if isinstance(error, InputError):
+            assert main(call) == 2
+            assert "out-broken-off-2: run.mcap" in capsys.readouterr().err
+        else:
+            with pytest.raises(RuntimeError):
+                main(call)
+    assert not out.exists()
+    recording = tmp_path / "out-broken-off" / "run.mcap"
+    assert Recording.open(recording).whole
+    assert replayed(recording).same
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "out-broken-off",
+        "out-broken-off-2",
+    ]
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_a_run_is_judged_by_the_goal_that_was_given(tmp_path):
+    world = WorldSettings(start=(-0.2, -0.2, 0.5), goal=(0.2, 0.1, 0.0))
+    other = (0.1, -0.15, 0.7)
+    with World(msgspec.structs.replace(world, goal=other)) as there:
+        goal = shown_goal(there)
+        assert floor_pose(there, goal) == pytest.approx(other, abs=2e-3)
+    goal.write(tmp_path / "goal.json")
+    (tmp_path / "w.toml").write_text("start = [-0.2, -0.2, 0.5]\ngoal = [0.2, 0.1, 0.0]\n")
+    call = ["--world", str(tmp_path / "w.toml"), "--goal", str(tmp_path / "goal.json")]
+    out = ["--out", str(tmp_path / "out"), "--no-video", "--no-recording", "--quiet"]
+    assert main(["lab", *call, *out, "--set", "duration=0.2"]) == 0
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    wanted = math.dist(world.start[:2], other[:2])
+    assert summary["true_error"]["distance_m"] == pytest.approx(wanted, abs=2e-3)
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_a_real_laboratory_tells_the_error_in_the_picture_and_why_its_camera_ended(tmp_path):
+    shown = picture((7, STANDS))
+    goal = teach(Frame(shown, t=0.0, number=0), TagDetector(), TagMount(tag_id=7))
+    goal.write(tmp_path / "goal.json")
+    frames = tmp_path / "frames"
+    frames.mkdir()
+    for k in range(15):
+        cv2.imwrite(str(frames / f"{k:03d}.png"), picture((7, STANDS), seed=k))
+    with UdpRobotSimulator() as robot:
+        call = ["--goal", str(tmp_path / "goal.json"), "--camera", str(frames)]
+        out = ["--out", str(tmp_path / "out"), "--no-video", "--quiet"]
+        assert main(["lab", *call, "--robot", robot.address, *out]) == 0
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["outcome"] == "camera ended"
+    assert summary["notes"] == [f"{frames} has ended after 15 frames"]
+    assert summary["image_error"]["distance_px"] < 0.5
+    assert summary["true_error"] is None
 
 
 def test_a_replay_of_what_is_no_recording_is_refused(tmp_path, capsys):

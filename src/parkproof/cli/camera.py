@@ -83,6 +83,8 @@ def camera(
             "--latency needs --source SOURCE and --robot ADDRESS together; without both, the "
             "simulated laboratory is measured"
         )
+    if robot is not None and not latency:
+        raise InputError("--robot is for --latency, which moves it: write --latency, or no --robot")
     if source is not None and world is not None:
         raise InputError("--source and --world exclude each other: write one of them")
     positive("duration", duration, example=20.0)
