@@ -42,7 +42,7 @@ def camera(
     source : str, optional
         The camera: its number, an address, a video file or a folder of pictures.
     robot : str, optional
-        The robot whose delay is measured: udp://host:port.
+        The robot whose delay is measured: udp://host:port, or a file that describes it.
     world : Path, optional
         A file that describes a simulated laboratory.
     tag_id : int
@@ -94,16 +94,17 @@ def camera(
         return _simulated(world, as_json, None if not latency else (duration, angle, seed))
     from parkproof.lab.cameras import open_camera
     from parkproof.lab.devices import WallClock
-    from parkproof.lab.robots import open_robot
+    from parkproof.lab.robot_file import robot_named
     from parkproof.lab.watchdog import StoppingRobot
 
     heading = _heading_of(tag_id)
+    known = None if robot is None else robot_named(robot)
     eye = open_camera(source)
     try:
-        if not latency:
+        if known is None:
             return _tell(_look(eye, WallClock(), heading), as_json)
         clock = WallClock()
-        with StoppingRobot(open_robot(str(robot)), clock=clock) as safe:
+        with StoppingRobot(known.open(), clock=clock) as safe:
             return _measure(safe, eye, clock, heading, (duration, angle, seed), as_json)
     finally:
         eye.close()

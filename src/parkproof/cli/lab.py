@@ -53,7 +53,8 @@ def lab(
     camera : str, optional
         A real camera: its number, an address, a video or a folder of pictures.
     robot : str, optional
-        A real robot: udp://host:port.
+        A real robot: udp://host:port, or a file with its address, limits and wheels;
+        "parkproof init --kind robot" writes one.
     settings : list of str, optional
         Override a setting, as in hold=30 or delay=0.08; may be repeated.
     no_video : bool
@@ -175,12 +176,12 @@ def _real(
     from parkproof.lab.goal import Goal
     from parkproof.lab.last_error import last_error
     from parkproof.lab.loop import run_lab
-    from parkproof.lab.robots import open_robot
+    from parkproof.lab.robot_file import robot_named
 
-    goal = Goal.read(goal_file)
+    goal, known = Goal.read(goal_file), robot_named(address)
     camera = open_camera(source, rate=results.settings.rate, paced=True)
     try:
-        robot = open_robot(address)
+        robot = known.open()
 
         def run(recorder: Any, watch: "Watch") -> "Finished":
             return run_lab(

@@ -91,7 +91,7 @@ def read_world(path: Path) -> WorldSettings:
     parkproof.errors.InputError: ...
     """
     path = Path(path)
-    return converted(load_toml(path), WorldSettings, str(path))
+    return converted(load_toml(path, kind="world"), WorldSettings, str(path))
 
 
 def example_world() -> WorldSettings:
