@@ -202,6 +202,14 @@ class Hears:
         self.stop()
 
 
+def test_a_camera_that_ended_before_the_robot_was_seen_says_both():
+    goal = teach(Frame(picture((7, STANDS)), t=0.0, number=0), TagDetector(), TagMount(tag_id=7))
+    with World(WorldSettings()) as world:
+        eye = Ends(world, 3)
+        found = run_lab(eye, world.robot, world.clock, goal, settings=SHORT, realtime=False)
+    assert found.note.startswith("the cable was pulled; the picture shows tag 0, but not tag 7")
+
+
 def test_an_interrupted_run_stops_the_robot_and_keeps_what_there_is():
     with World(WorldSettings()) as world:
         goal = shown_goal(world)
@@ -246,6 +254,8 @@ def test_ctrl_c_keeps_what_there_is_of_a_run_and_says_so(tmp_path):
         (["--start", "1", "--world", "w.toml"], "--seed"),
         (["--world", "none.toml"], "none.toml"),
         (["--set", "hold=-1"], "hold"),
+        (["--set", "rate=1e300"], "rate = 1e+300: must be in [1, 1000] frames/s"),
+        (["--set", "delay=1e9"], "delay = 1000000000.0: must be in [0, 5] s"),
         (["--set", "law=homogeneous"], "gains"),
         (["--set", "nothing=1"], "nothing"),
     ],

@@ -195,10 +195,12 @@ def run_lab(
             run.outcome, run.finished.note = LabOutcome.ROBOT_SILENT, str(error)
         except KeyboardInterrupt:
             run.outcome = LabOutcome.INTERRUPTED
+    notes = []
     if run.outcome is LabOutcome.CAMERA_ENDED:
-        run.finished.note = getattr(camera, "why_ended", "")
-    elif run.outcome is LabOutcome.NEVER_SEEN:
-        run.finished.note = _why_unseen(run.last, goal) or run.alarm
+        notes.append(getattr(camera, "why_ended", ""))
+    if run.outcome in {LabOutcome.CAMERA_ENDED, LabOutcome.NEVER_SEEN} and not run.finished.samples:
+        notes.append(_why_unseen(run.last, goal) or run.alarm)
+    run.finished.note = "; ".join(filter(None, notes)) or run.finished.note
     run.finished.stopped_by = safe.stopped_by
     return run.end()
 

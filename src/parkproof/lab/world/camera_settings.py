@@ -6,10 +6,11 @@ import msgspec
 from msgspec.structs import force_setattr
 
 from parkproof.errors import InputError
+from parkproof.lab.settings import LONGEST, RATES
 from parkproof.lab.world.lens import Lens
 from parkproof.model.camera import PinholeCamera
 from parkproof.model.homography import numbers
-from parkproof.validate import finite, not_negative, positive
+from parkproof.validate import finite, not_negative, positive, within
 
 
 class CameraSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -82,10 +83,11 @@ class CameraSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     colour: bool = False
 
     def __post_init__(self) -> None:
-        for name in ("noise", "blur", "exposure_time", "latency"):
+        for name in ("noise", "blur", "exposure_time"):
             force_setattr(self, name, not_negative(name, getattr(self, name)))
         positive("exposure", self.exposure)
-        positive("rate", self.rate, example=30.0)
+        force_setattr(self, "rate", within("rate", self.rate, *RATES, unit="frames/s"))
+        force_setattr(self, "latency", within("latency", self.latency, 0.0, LONGEST, unit="s"))
         if not 0.0 <= finite("drop", self.drop) < 1.0:
             raise InputError(
                 f"drop = {self.drop:g}: must be in [0, 1); write for example drop = 0.1"

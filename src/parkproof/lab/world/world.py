@@ -75,7 +75,7 @@ class World:
     Raises
     ------
     InputError
-        If MuJoCo or the library that it renders with is missing.
+        If MuJoCo or the library that it renders with is missing, or MuJoCo cannot simulate it.
 
     Examples
     --------
@@ -90,7 +90,13 @@ class World:
         self.settings = settings
         size = render_size(settings.camera.lens())
         text, pictures = world_model(settings, render_size=size)
-        self._model = load_mujoco().MjModel.from_xml_string(text, pictures)
+        try:
+            self._model = load_mujoco().MjModel.from_xml_string(text, pictures)
+        except ValueError as error:  # a mass or a length that is too small or too large for it
+            raise InputError(
+                f"this world cannot be simulated: {error}; write sizes and masses such as a robot "
+                "on a floor has"
+            ) from error
         self._physics = Physics(settings, self._model)
         robot = settings.robot
         plane = self._physics.axle_height + robot.tag_height - robot.wheel_radius
