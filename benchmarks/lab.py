@@ -8,6 +8,7 @@ repeated, so that the benchmark can be interrupted. Then the table is printed.
 
 import argparse
 import csv
+import math
 import statistics
 import time
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -111,8 +112,10 @@ def parked(row: dict) -> bool:
 
 
 def quantile(values: list[float], share: float) -> float:
-    """The value below which this share lies."""
+    """The value below which this share lies; not a number where there are none."""
     ordered = sorted(values)
+    if not ordered:
+        return math.nan
     return ordered[min(len(ordered) - 1, int(share * len(ordered)))]
 
 
@@ -125,6 +128,8 @@ def summarise(rows: list[dict], console: Console) -> None:
 
     def numbers(name: str, of: list[dict]) -> str:
         values = [float(row[name]) for row in of]
+        if not values:
+            return "none"
         return f"median {statistics.median(values):.3g}, worst {max(values):.3g}"
 
     sure = sum(row["parkable"] == "0" for row in rows)
@@ -135,7 +140,7 @@ def summarise(rows: list[dict], console: Console) -> None:
     )
     table.add_row(
         "parked and held for 10 s within 1 px, 1° and 1 cm",
-        f"{len(good)} of {len(accepted)} ({100 * len(good) / len(accepted):.1f} %)",
+        f"{len(good)} of {len(accepted)} ({100 * len(good) / max(len(accepted), 1):.1f} %)",
     )
     outside = sum(int(row["out_of_view"]) for row in rows)
     frames = sum(int(row["frames"]) for row in rows)
@@ -144,21 +149,16 @@ def summarise(rows: list[dict], console: Console) -> None:
     table.add_row("error of the image heading, °", numbers("deg", good))
     table.add_row("error on the floor, cm", numbers("floor_cm", good))
     table.add_row("error of the heading, °", numbers("floor_deg", good))
-    times = [float(row["parked_after"]) for row in good]
+    late = quantile([float(row["parked_after"]) for row in good], 0.95)
+    table.add_row("time to park, s", f"{numbers('parked_after', good)}, 95 % within {late:.3g}")
+    table.add_row("image in to command out, median of a run, ms", numbers("median_ms", accepted))
     table.add_row(
-        "time to park, s",
-        f"median {statistics.median(times):.1f}, 95 % {quantile(times, 0.95):.1f}, "
-        f"worst {max(times):.1f}",
+        "image in to command out, 99th percentile of a run, ms", numbers("p99_ms", accepted)
     )
+    speeds = [float(row["speed"]) for row in accepted]
+    least = min(speeds, default=math.nan)
     table.add_row(
-        "image in to command out, ms",
-        f"median {statistics.median(float(row['median_ms']) for row in accepted):.2f}, "
-        f"99th percentile {statistics.median(float(row['p99_ms']) for row in accepted):.1f}",
-    )
-    table.add_row(
-        "speed, times real time",
-        f"median {statistics.median(float(row['speed']) for row in accepted):.1f}, "
-        f"least {min(float(row['speed']) for row in accepted):.1f}",
+        "speed, times real time", f"median {quantile(speeds, 0.5):.3g}, least {least:.3g}"
     )
     console.print(table)
     for row in accepted:

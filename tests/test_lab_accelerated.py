@@ -16,8 +16,9 @@ from parkproof.lab.answer import Phase
 from parkproof.lab.devices import Frame, Missing, WallClock
 from parkproof.lab.estimate import Sighting
 from parkproof.lab.limits import limited_acceleration
-from parkproof.lab.loop import LabOutcome, run_lab
+from parkproof.lab.loop import run_lab
 from parkproof.lab.observer import AcceleratedEstimator
+from parkproof.lab.outcome import LabOutcome
 from parkproof.lab.parker_for import commanded_by
 from parkproof.lab.predict import CommandHistory, GoalPose, advanced
 from parkproof.lab.replay import replayed

@@ -1,32 +1,42 @@
 """Whole runs in the simulated laboratory: from pixels to parked."""
 
 import json
+import math
+import os
 import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
 import cv2
+import msgspec
 import numpy as np
 import pytest
 
 from parkproof.cli import main
+from parkproof.errors import InputError
 from parkproof.lab.devices import Frame, Missing, RobotLimits, RobotSilentError
 from parkproof.lab.film import Film
-from parkproof.lab.loop import LabOutcome, replay_settings, run_lab
+from parkproof.lab.image_pose import TagMount
+from parkproof.lab.loop import replay_settings, run_lab
+from parkproof.lab.outcome import LabOutcome
 from parkproof.lab.record import Recorder
 from parkproof.lab.recording import RecordedCamera, Recording
 from parkproof.lab.replay import replayed
 from parkproof.lab.robot_simulator import UdpRobotSimulator
 from parkproof.lab.safety import SafetyLimits
 from parkproof.lab.settings import LabSettings
-from parkproof.lab.simulated import run_simulated, shown_goal
+from parkproof.lab.simulated import floor_pose, run_simulated, shown_goal
+from parkproof.lab.tag import TagDetector
+from parkproof.lab.teach import teach
 from parkproof.lab.worker import Worker
 from parkproof.lab.world import RobotSettings, World, WorldSettings, random_world
 from parkproof.lab.world.settings import example_world
+from tag_pictures import picture, view
 
 SHORT = LabSettings(hold=2.0, duration=60.0)
 
@@ -272,6 +282,8 @@ def test_a_real_run_has_the_error_that_was_seen_in_its_summary(made, tmp_path):
 class Ends:
     """A camera that ends after some frames."""
 
+    why_ended = "the cable was pulled"
+
     def __init__(self, world: World, frames: int) -> None:
         self._eye, self._left = world.camera, frames
 
@@ -314,6 +326,7 @@ def test_a_camera_that_ends_and_a_robot_that_is_silent_end_the_run_with_the_robo
         eye, clock = Ends(world, 40), world.clock
         found = run_lab(eye, world.robot, clock, goal, settings=SHORT, realtime=False)
         assert found.outcome is LabOutcome.CAMERA_ENDED
+        assert found.note == "the cable was pulled"
         assert world.truth()[6:8] == (0.0, 0.0)
         robot = Silent(world, 40)
         found = run_lab(world.camera, robot, clock, goal, settings=SHORT, realtime=False)
@@ -321,6 +334,73 @@ def test_a_camera_that_ends_and_a_robot_that_is_silent_end_the_run_with_the_robo
         assert "0.5 s" in found.note
         assert robot.stops > 0
         assert world.truth()[6:8] == (0.0, 0.0)
+
+
+class Shows:
+    """A camera that shows one picture again and again."""
+
+    def __init__(self, image: np.ndarray) -> None:
+        self._image, self.number = image, 0
+
+    def read(self, _timeout: float) -> Frame:
+        self.number += 1
+        return Frame(self._image, t=self.now(), number=self.number)
+
+    def close(self) -> None:
+        pass
+
+    def now(self) -> float:
+        return self.number / 30.0
+
+
+STANDS = view((350.0, 260.0), 40.0)
+ELSEWHERE = view((150.0, 160.0), 40.0)
+
+
+@pytest.mark.parametrize(
+    ("image", "says"),
+    [
+        (picture((3, STANDS), (12, ELSEWHERE)), "shows tags 3, 12, but not tag 7"),
+        (picture(), "shows no tag"),
+        (picture((7, STANDS), (7, ELSEWHERE)), "shows tag 7 more than once"),
+        (picture((7, STANDS))[:, ::-1], "as in a mirror"),
+        (np.zeros((240, 320), np.uint8), "320 × 240 pixels: the goal was taught with 640 × 480"),
+    ],
+)
+def test_a_robot_that_is_never_seen_ends_the_run_soon_and_says_what_is_seen(image, says):
+    goal = teach(Frame(picture((7, STANDS)), t=0.0, number=0), TagDetector(), TagMount(tag_id=7))
+    robot, camera = Hears(), Shows(np.ascontiguousarray(image))
+    found = run_lab(camera, robot, camera, goal, settings=LabSettings(wait=1.0), realtime=False)
+    assert found.outcome is LabOutcome.NEVER_SEEN
+    assert found.ended <= 1.1
+    assert says in found.note
+    assert robot.heard == {(0.0, 0.0)}
+
+
+class Hears:
+    """A robot that keeps what it is sent."""
+
+    limits = RobotSettings().limits()
+
+    def __init__(self) -> None:
+        self.heard: set[tuple[float, float]] = set()
+
+    def send(self, v: float, omega: float) -> None:
+        self.heard.add((v, omega))
+
+    def stop(self) -> None:
+        self.send(0.0, 0.0)
+
+    def close(self) -> None:
+        self.stop()
+
+
+def test_a_camera_that_ended_before_the_robot_was_seen_says_both():
+    goal = teach(Frame(picture((7, STANDS)), t=0.0, number=0), TagDetector(), TagMount(tag_id=7))
+    with World(WorldSettings()) as world:
+        eye = Ends(world, 3)
+        found = run_lab(eye, world.robot, world.clock, goal, settings=SHORT, realtime=False)
+    assert found.note.startswith("the cable was pulled; the picture shows tag 0, but not tag 7")
 
 
 def test_an_interrupted_run_stops_the_robot_and_keeps_what_there_is():
@@ -363,8 +443,12 @@ def test_ctrl_c_keeps_what_there_is_of_a_run_and_says_so(tmp_path):
     [
         (["--camera", "0"], "--goal"),
         (["--seed", "1", "--world", "w.toml"], "--seed"),
+        (["--start", "1"], "--seed"),
+        (["--start", "1", "--world", "w.toml"], "--seed"),
         (["--world", "none.toml"], "none.toml"),
         (["--set", "hold=-1"], "hold"),
+        (["--set", "rate=1e300"], "rate = 1e+300: must be in [1, 1000] frames/s"),
+        (["--set", "delay=1e9"], "delay = 1000000000.0: must be in [0, 5] s"),
         (["--set", "law=homogeneous"], "gains"),
         (["--set", "nothing=1"], "nothing"),
     ],
@@ -378,6 +462,99 @@ def test_bad_input_is_one_sentence_and_leaves_nothing(arguments, says, tmp_path)
     assert says in done.stderr
     assert "Traceback" not in done.stderr
     assert not (tmp_path / "out").exists()
+
+
+def after(t: float, what: Callable[[], None]) -> Callable[..., Callable[..., None]]:
+    """In place of what watches a run: does something once the run is so old."""
+    done: list[float] = []
+
+    def watch(_reading, answer) -> None:
+        if answer.t > t and not done:
+            done.append(answer.t)
+            what()
+
+    return lambda *_: watch
+
+
+@pytest.fixture
+def undrawn(monkeypatch):
+    """Leave out the drawing of overviews, which takes longest."""
+    monkeypatch.setattr("parkproof.report.lab.lab_pictures", lambda *_: None)
+
+
+def raise_(error: BaseException) -> None:
+    raise error
+
+
+@pytest.mark.usefixtures("undrawn")
+@pytest.mark.parametrize(("name", "status"), [("SIGTERM", 143), ("SIGHUP", 129)])
+def test_a_request_to_end_and_a_closed_terminal_have_their_own_status(
+    name, status, tmp_path, monkeypatch
+):
+    stop = after(1.0, lambda: os.kill(os.getpid(), getattr(signal, name)))
+    monkeypatch.setattr("parkproof.cli.lab_results.LabResults._watch", stop)
+    out = tmp_path / "out"
+    assert main(["lab", "--out", str(out), "--no-video", "--no-recording", "--quiet"]) == status
+    assert json.loads((out / "summary.json").read_text())["outcome"] == "interrupted"
+
+
+def test_a_run_that_breaks_off_leaves_its_recording_and_says_where(tmp_path, monkeypatch, capsys):
+    out = tmp_path / "out"
+    for error in (RuntimeError("a fault in a driver"), InputError("out of the camera's reach")):
+        broken = after(1.0, lambda error=error: raise_(error))
+        monkeypatch.setattr("parkproof.cli.lab_results.LabResults._watch", broken)
+        call = ["lab", "--out", str(out), "--no-video", "--quiet"]
+        if isinstance(error, InputError):
+            assert main(call) == 2
+            assert "out-broken-off-2: run.mcap" in capsys.readouterr().err
+        else:
+            with pytest.raises(RuntimeError):
+                main(call)
+    assert not out.exists()
+    recording = tmp_path / "out-broken-off" / "run.mcap"
+    assert Recording.open(recording).whole
+    assert replayed(recording).same
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "out-broken-off",
+        "out-broken-off-2",
+    ]
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_a_run_is_judged_by_the_goal_that_was_given(tmp_path):
+    world = WorldSettings(start=(-0.2, -0.2, 0.5), goal=(0.2, 0.1, 0.0))
+    other = (0.1, -0.15, 0.7)
+    with World(msgspec.structs.replace(world, goal=other)) as there:
+        goal = shown_goal(there)
+        assert floor_pose(there, goal) == pytest.approx(other, abs=2e-3)
+    goal.write(tmp_path / "goal.json")
+    (tmp_path / "w.toml").write_text("start = [-0.2, -0.2, 0.5]\ngoal = [0.2, 0.1, 0.0]\n")
+    call = ["--world", str(tmp_path / "w.toml"), "--goal", str(tmp_path / "goal.json")]
+    out = ["--out", str(tmp_path / "out"), "--no-video", "--no-recording", "--quiet"]
+    assert main(["lab", *call, *out, "--set", "duration=0.2"]) == 0
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    wanted = math.dist(world.start[:2], other[:2])
+    assert summary["true_error"]["distance_m"] == pytest.approx(wanted, abs=2e-3)
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_a_real_laboratory_tells_the_error_in_the_picture_and_why_its_camera_ended(tmp_path):
+    shown = picture((7, STANDS))
+    goal = teach(Frame(shown, t=0.0, number=0), TagDetector(), TagMount(tag_id=7))
+    goal.write(tmp_path / "goal.json")
+    frames = tmp_path / "frames"
+    frames.mkdir()
+    for k in range(15):
+        cv2.imwrite(str(frames / f"{k:03d}.png"), picture((7, STANDS), seed=k))
+    with UdpRobotSimulator() as robot:
+        call = ["--goal", str(tmp_path / "goal.json"), "--camera", str(frames)]
+        out = ["--out", str(tmp_path / "out"), "--no-video", "--quiet"]
+        assert main(["lab", *call, "--robot", robot.address, *out]) == 0
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["outcome"] == "camera ended"
+    assert summary["notes"] == [f"{frames} has ended after 15 frames"]
+    assert summary["image_error"]["distance_px"] < 0.5
+    assert summary["true_error"] is None
 
 
 def test_a_replay_of_what_is_no_recording_is_refused(tmp_path, capsys):

@@ -309,6 +309,19 @@ def test_a_camera_that_never_shows_the_robot_is_refused() -> None:
         assert camera.closed
 
 
+def test_footage_that_ends_before_the_robot_is_seen_says_why(tmp_path, capsys) -> None:
+    for k in range(2):
+        cv2.imwrite(str(tmp_path / f"{k}.png"), np.zeros((480, 640), np.uint8))
+    (tmp_path / "2.png").write_bytes(b"no image")
+    assert main(["teach", "--camera", str(tmp_path), "--out", str(tmp_path / "goal.json")]) == 2
+    said = capsys.readouterr().err
+    assert "shows no tag" in said
+    empty = Frames()
+    empty.why_ended = "usb:0 gives no frames any more: unplugged?"
+    with pytest.raises(InputError, match=r"^usb:0 gives no frames any more: unplugged\? before"):
+        _from_camera(empty, DETECTOR, TagMount(tag_id=7))
+
+
 def test_goals_are_values(goal: Goal) -> None:
     with pytest.raises(AttributeError):
         goal.u = 3.0  # type: ignore[misc]  # frozen
