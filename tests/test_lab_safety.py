@@ -316,16 +316,23 @@ def estimate(x: float, theta: float = 0.0) -> Estimate:
 
 def test_the_border_stops_what_drives_at_it_and_not_what_drives_away():
     watch = guard()
-    assert watch.of_motion(estimate(6.0), 0.3, 0.0, scale=1.0) is None
-    assert watch.of_motion(estimate(7.3), 0.3, 0.0, scale=1.0) is Alarm.BORDER
-    assert watch.of_motion(estimate(7.3), -0.3, 0.0, scale=1.0) is None
-    assert watch.of_motion(estimate(7.3, theta=3.1), -0.3, 0.0, scale=1.0) is Alarm.BORDER
+    assert watch.of_motion(estimate(6.0), 0.3, 0.0, scale=1.0, step=3) is None
+    assert watch.of_motion(estimate(7.3), 0.3, 0.0, scale=1.0, step=3) is Alarm.BORDER
+    assert watch.of_motion(estimate(7.3), -0.3, 0.0, scale=1.0, step=3) is None
+    assert watch.of_motion(estimate(7.3, theta=3.1), -0.3, 0.0, scale=1.0, step=3) is Alarm.BORDER
 
 
 def test_a_turn_that_would_take_a_corner_of_the_tag_out_of_the_picture_is_stopped():
     watch = guard()
-    assert watch.of_motion(estimate(7.45), 0.0, 2.0, scale=1.0) is Alarm.BORDER
-    assert watch.of_motion(estimate(7.2), 0.0, 2.0, scale=1.0) is None
+    assert watch.of_motion(estimate(7.45), 0.0, 2.0, scale=1.0, step=3) is Alarm.BORDER
+    assert watch.of_motion(estimate(7.2), 0.0, 2.0, scale=1.0, step=3) is None
+
+
+def test_a_course_that_went_astray_towards_ninety_degrees_is_given_up_in_steps_1_and_2() -> None:
+    steep = estimate(0.0, theta=-1.51)
+    assert guard().of_motion(steep, 0.1, 0.0, scale=1.0, step=2) is Alarm.STEEP
+    assert guard().of_motion(steep, 0.1, 0.0, scale=1.0, step=0) is None
+    assert guard().of_motion(estimate(0.0, theta=1.4), 0.1, 0.0, scale=1.0, step=2) is None
 
 
 def test_what_the_limits_allow_is_no_jump_and_more_is():

@@ -102,7 +102,7 @@ class AcceleratedParker(Parker):
         self._in_step(asked.step, now)
         moving = estimate.moving
         if alarm := self._guard.of_motion(
-            estimate, moving.v, moving.omega, scale=self._tracker.scale
+            estimate, moving.v, moving.omega, scale=self._tracker.scale, step=asked.step
         ):
             self._stop(alarm, now)
             return self._slowed(dt)

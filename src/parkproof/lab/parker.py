@@ -27,7 +27,7 @@ from parkproof.lab.stall import StallWatch
 from parkproof.lab.tracker import TagTracker
 from parkproof.lab.view import ImageView
 
-AT_MOST = {Alarm.BORDER: 8, Alarm.STALLED: 3, Alarm.FROZEN: 3}
+AT_MOST = {Alarm.BORDER: 8, Alarm.STEEP: 8, Alarm.STALLED: 3, Alarm.FROZEN: 3}
 """So many alarms of a kind end a run: what comes back so often is not overcome by driving on."""
 
 AT_ONCE = (Alarm.STALLED, Alarm.FROZEN)
@@ -308,7 +308,7 @@ class Parker:
         self._now.phase, self._now.alarm = Phase.REFUSED, None
         self._tell(now, "refused", sentence, level=2)
 
-    def _bounds(self, error: float, share: float) -> Bounds:
+    def _bounds(self, error: float, share: float, middle: float = 0.5) -> Bounds:
         """Bounds of a in goal units per tag side, from frames seen, with the motors' error.
 
         Parameters
@@ -317,10 +317,12 @@ class Parker:
             Of the motors.
         share : float
             Of the whole uncertainty that is allowed for; with 0 only its middle is.
+        middle : float
+            Where the middle lies between the least and the greatest gain seen.
         """
         seen = self._tracker.gains.a
         low, high = seen[0] * (1.0 - error), seen[1] * (1.0 + error)
-        middle = 0.5 * (seen[0] + seen[1])
+        middle = (1.0 - middle) * seen[0] + middle * seen[1]
         return Bounds(alpha=(middle - share * (middle - low), middle + share * (high - middle)))
 
     def _stop(self, alarm: Alarm, now: float) -> None:

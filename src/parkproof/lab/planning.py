@@ -15,15 +15,22 @@ from parkproof.lab.view import ImageView, tag_footprint
 ROOM = 0.12
 """How far the tag stays inside the border in a course, in goal units."""
 
-TRIED = ((1.0, ROOM, False), (0.2, ROOM, False), (0.0, 0.02, True))
-"""Shares of the gains' uncertainty, room at the border, and whether to search thoroughly, for the
-courses that are tried in turn."""
+TRIED = (
+    (1.0, 0.5, ROOM, False),
+    (0.2, 0.5, ROOM, False),
+    (0.0, 0.5, 0.02, True),
+    (0.0, 0.25, 0.02, True),
+    (0.0, 0.0, 0.02, True),
+)
+"""Shares of the gains' uncertainty, where their middle is taken to be between the least and the
+greatest seen, room at the border, and whether to search thoroughly, for the courses that are tried
+in turn."""
 
 TOLERANCE = 0.6
 """Tolerances of Steps 2 and 3, as a share of that of arrival."""
 
-BoundsFor = Callable[[float, float], Bounds]
-"""Bounds of the gains for an error of the motors, and a share of the whole uncertainty."""
+BoundsFor = Callable[[float, float, float], Bounds]
+"""Bounds of the gains for an error of the motors, a share of the uncertainty, and a middle."""
 
 
 class Planner:
@@ -90,14 +97,14 @@ class Planner:
         """
         footprint = tag_footprint(self._mount, scale)
         error = self._settings.motor_error * (1.0 if first else 0.5)
-        for share, room, thorough in TRIED:
+        for share, middle, room, thorough in TRIED:
             task = Task(
                 view=self._view,
                 margin=room,
                 footprint=footprint,
                 limits=self._limits,
                 side=self._mount.side,
-                bounds=bounds(error, share),
+                bounds=bounds(error, share, middle),
                 arrival=self._arrival,
                 tolerance=(TOLERANCE * self._arrival.position,) * 2,
                 law=self._settings.law,

@@ -78,7 +78,7 @@ class VelocityParker(Parker):
         )
         self._in_step(asked.step, now)
         if alarm := self._guard.of_motion(
-            estimate, asked.v, asked.omega, scale=self._tracker.scale
+            estimate, asked.v, asked.omega, scale=self._tracker.scale, step=asked.step
         ):
             self._stop(alarm, now)
             return self._slowed(dt)
