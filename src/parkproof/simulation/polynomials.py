@@ -12,7 +12,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic, overload, register_jitable
 
-from parkproof.scalar import MARKED, sine, spow
+from parkproof.scalar import MARKED, sine, spow, tangent
 
 OPTIONS: dict[str, Any] = {
     # numba's default error model leaves the loop at every division, and it stays scalar then
@@ -139,3 +139,10 @@ def _register_primitives(inline: Any) -> None:
             return wave(x)
 
         return polynomial
+
+    @overload(tangent, jit_options=options)
+    def choose_tangent(x: Any) -> Any:  # noqa: ARG001
+        def quotient(x: Any) -> Any:
+            return wave(x) / wave(x + 0.5 * math.pi)
+
+        return quotient
