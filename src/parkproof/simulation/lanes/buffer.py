@@ -23,6 +23,10 @@ ROWS = (
     "chart", "next", "ending", "tau1", "tau2", "new1", "new2", "turn_square",
     "kept0", "kept1", "kept2", "kept3", "kept4", "kept_path",
     "seen0", "seen1", "seen2", "seen3", "seen4", "raw2", "raw3", "raw4", "raw_chart",
+    # of cameras, and of robots that take accelerations or velocities
+    "beta", "seen_beta", "own0", "own1", "own2", "own3", "own4",
+    "pose0", "pose1", "pose2", "pose3", "pose4",
+    "kept_u0", "kept_u1", "kept_chart", "kept_v", "kept_omega", "act1", "act2",
     *(f"{name}_{when}" for when in ("mean", "start", "middle", "end") for name in (
         "gamma1", "gamma2", "phi1", "phi2", "alpha1", "alpha2", "b2",
     )),
@@ -45,6 +49,9 @@ largest |θ| outside the chart."""
     CHART, NEXT, ENDING, TAU1, TAU2, NEW1, NEW2, TURN_SQUARE,
     KEPT0, KEPT1, KEPT2, KEPT3, KEPT4, KEPT_PATH,
     SEEN0, SEEN1, SEEN2, SEEN3, SEEN4, RAW2, RAW3, RAW4, RAW_CHART,
+    BETA, SEEN_BETA, OWN0, OWN1, OWN2, OWN3, OWN4,
+    POSE0, POSE1, POSE2, POSE3, POSE4,
+    KEPT_U0, KEPT_U1, KEPT_CHART, KEPT_V, KEPT_OMEGA, ACT1, ACT2,
     *SIGNAL_ROWS,
 ) = range(0, BLOCK * len(ROWS), BLOCK)  # fmt: skip
 """Where each row begins: lane j of row ``TAU1`` is ``b[TAU1 + j]``."""

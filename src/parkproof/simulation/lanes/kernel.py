@@ -1,16 +1,17 @@
 """The same scalar functions compiled for ensembles: 64 trials side by side, the loop inside.
 
-The kernel repeats the reference run of `parkproof.simulation.run` for robots of kind "chained" and
-the paper's camera. Law, switching, inputs and measurements are the functions used there; only the
-order of the loops differs. A lane's result does not depend on its place in a batch or on its
+The kernel repeats the reference run of `parkproof.simulation.run`. Law, switching, inputs and
+measurements are the functions used there; only the order of the loops differs. A lane's result does not depend on its place in a batch or on its
 company, as every operation rounds alike in whichever loop (`parkproof.simulation.compiler`).
 
 A law goes through eight lanes at a time, once for each step in which some of them are, with that
 step known to the compiler: powers that a step does not need are then not there. Changes of step and
 all that comes with them are rare, and done one lane at a time.
 
-A controller is given the rows X0 … X4: where measurements are exact and prompt, those of the state
-itself, else those that `parkproof.simulation.lanes.sensor` fills.
+A controller is given the rows X0 … X4: for robots of kind "chained" whose measurements are exact and
+prompt, those of the state itself, else those that `parkproof.simulation.lanes.sensor` or
+`parkproof.simulation.lanes.robots` fills. What else differs between robots and cameras is chosen in
+`parkproof.simulation.lanes.parts`.
 """
 
 import math
@@ -22,6 +23,7 @@ import numba
 import numpy as np
 from numba.extending import register_jitable
 
+from parkproof.laws.controller import RobotKind
 from parkproof.laws.inputs import explicit_inputs, implicit_inputs, predicted, with_direct
 from parkproof.laws.table import law_named
 from parkproof.laws.turn import turn_channels, turned
@@ -61,16 +63,10 @@ from parkproof.simulation.lanes.metrics import (
     watch,
 )
 from parkproof.simulation.lanes.parameters import array_of, parameters_in
-from parkproof.simulation.lanes.plant import advance, change_coordinates
-from parkproof.simulation.lanes.sensor import end_unseen, is_misled, see, seen_pose
+from parkproof.simulation.lanes.parts import parts_of
+from parkproof.simulation.lanes.sensor import end_unseen, is_misled
 
 inlined = register_jitable(forceinline=True, **OPTIONS)
-
-
-@inlined
-def true_pose(b, j):
-    """Heading, speed and turn rate of a lane that turns, measured exactly."""
-    return b[S2 + j], b[S3 + j], b[S4 + j]
 
 
 @inlined
@@ -85,7 +81,14 @@ def find_steps(b, present):
 
 
 @cache
-def kernel_of(law_name: str, *, implicit: bool, exact: bool = True) -> Callable[..., Any]:
+def kernel_of(
+    law_name: str,
+    *,
+    implicit: bool,
+    exact: bool = True,
+    robot: RobotKind = "chained",
+    camera: bool = False,
+) -> Callable[..., Any]:
     """Give the kernel of a law in one form, compiled when first called, once a process.
 
     Parameters
@@ -96,12 +99,16 @@ def kernel_of(law_name: str, *, implicit: bool, exact: bool = True) -> Callable[
         Which form of the law.
     exact : bool
         Whether measurements are without noise and latency.
+    robot : "chained", "torque" or "velocity"
+        What the robots are commanded by.
+    camera : bool
+        Whether each trial has a camera of its own, or all have the paper's.
 
     Returns
     -------
     callable
         ``kernel(p, clock, limits, sensing, state, in_chart, scale_mean, scale_tones, mean, tones,
-        adversary, keys, out)``: carries out the trials of one block of `BLOCK` lanes, reading
+        adversary, keys, camera, out)``: carries out the trials of one block of `BLOCK` lanes, reading
         arrays whose last axis is the lane and writing the rows `RESULTS` into ``out``. It releases
         the interpreter lock.
 
@@ -110,32 +117,38 @@ def kernel_of(law_name: str, *, implicit: bool, exact: bool = True) -> Callable[
     >>> callable(kernel_of("corrected", implicit=False))
     True
     """
-    kernel = _compiled(law_name, implicit, exact)
+    kernel = _compiled(law_name, implicit, exact, robot, camera)
 
     def block(
         p, clock, limits, sensing, state, in_chart, scale_mean, scale_tones, mean, tones,
-        adversary, keys, out,
+        adversary, keys, cameras, out,
     ):  # fmt: skip
         b, all_of = first_buffer(state, in_chart, mean, scale_mean), all_tones(tones, scale_tones)
         ring = np.empty((1 if exact else sensing.delay + 1, 6, BLOCK))
         present = np.zeros(BLOCK // GROUP, np.int64)
         kernel(
             array_of(p), clock, limits, sensing, b, ring, present, all_of,
-            kinds_of(all_of), adversary, keys, out,
+            kinds_of(all_of), adversary, keys, cameras, out,
         )  # fmt: skip
 
     return block
 
 
 @cache
-def _compiled(law_name: str, implicit: bool, exact: bool) -> Callable[..., Any]:
+def _compiled(
+    law_name: str, implicit: bool, exact: bool, robot: RobotKind, camera: bool
+) -> Callable[..., Any]:
     register()
     law = law_named(law_name)
     law_begin, law_direction, law_switch = law.begin, law.direction, law.switch
     law_channels, law_direct, turns = law.channels, law.direct, law.turns
     inputs = implicit_inputs if implicit else explicit_inputs
-    X0, X1, X2, X3, X4 = (S0, S1, S2, S3, S4) if exact else (SEEN0, SEEN1, SEEN2, SEEN3, SEEN4)
-    pose = true_pose if exact else seen_pose
+    known = exact and robot == "chained"
+    X0, X1, X2, X3, X4 = (S0, S1, S2, S3, S4) if known else (SEEN0, SEEN1, SEEN2, SEEN3, SEEN4)
+    can_be_misled = robot == "chained" and not exact
+    begin, look, pose, settle, pictured, gain, act, go, idle = parts_of(
+        robot, camera=camera, exact=exact
+    )
 
     @inlined
     def switch(b, t, p):
@@ -172,12 +185,12 @@ def _compiled(law_name: str, implicit: bool, exact: bool) -> Callable[..., Any]:
             if b[ENDING + j] == 0.0:
                 if b[STEP + j] <= 0.0:
                     ask_to_begin(b, j, p)
-                if not exact and is_misled(b, j):
+                if can_be_misled and is_misled(b, j):
                     b[ENDING + j] = LEFT_CHART
                     misled += 1
                 elif b[NEXT + j] != b[STEP + j]:
                     note_step(b, j, t)
-                    change_coordinates(b, j)
+                    settle(b, j)
                     if b[STEP + j] == 1.0:
                         b[WAY + j] = law_direction(b[X0 + j], b[X1 + j], b[X2 + j], b[X3 + j], p)
         return misled
@@ -205,24 +218,25 @@ def _compiled(law_name: str, implicit: bool, exact: bool) -> Callable[..., Any]:
 
     @numba.njit(nogil=True, **OPTIONS)
     def kernel(
-        numbers, clock, limits, sensing, b, ring, present, tones, kinds, adversary, keys, out
-    ):
+        numbers, clock, limits, sensing, b, ring, present, tones, kinds, adversary, keys, cameras,
+        out,
+    ):  # fmt: skip
         p = parameters_in(numbers)
         limited = min(limits.tau1, limits.tau2, limits.speed, limits.turn_rate) < math.inf
         running = BLOCK
         turning = 0
+        begin(b, cameras)
         for k in range(clock.samples + 1):
             t = k * clock.period
-            if not exact:
-                see(b, ring, k, sensing, keys)
-            ended = watch(b, limits, turns)
-            if not exact and not turns:
+            look(b, cameras, ring, k, sensing, keys)
+            ended = watch(b, cameras, limits, turns, pictured)
+            if not known and not turns:
                 ended += end_unseen(b)
             changes = switch(b, t, p)
             if changes + turning > 0 or k == 0:
                 ended += change_steps(b, t, p)
             if ended > 0:
-                running -= hand_in(b, t, False, out)
+                running -= hand_in(b, t, False, out, idle)
             if changes + turning + ended > 0 or k == 0:
                 turning = find_steps(b, present)
             holding = False
@@ -239,14 +253,18 @@ def _compiled(law_name: str, implicit: bool, exact: bool) -> Callable[..., Any]:
                     command_in_step(b, first, 4.0, p)
                 if here & 1:
                     command_turning(b, first, p)
-            measure(b, k == 0, t >= clock.residual_from, holding, turning > 0)
-            ended = end_beyond_limits(b, limits) if limited else 0
+            measure(b, k == 0, t >= clock.residual_from, holding, turning > 0, gain)
+            ended = end_beyond_limits(b, limits, gain) if limited else 0
             last = k == clock.samples
             if ended > 0 or last:
-                running -= hand_in(b, t, last, out)
+                running -= hand_in(b, t, last, out, idle)
                 turning = find_steps(b, present)
             if running == 0:
                 break
-            advance(b, turning, tones, kinds, adversary, t, clock.period, clock.plant_steps, k == 0)
+            act(b, clock.period)
+            go(
+                b, cameras, turning, tones, kinds, adversary, t, clock.period, clock.plant_steps,
+                k == 0,
+            )  # fmt: skip
 
     return kernel

@@ -7,7 +7,7 @@ import math
 
 from numba.extending import register_jitable
 
-from parkproof.model.chained import body_inputs, chained_inputs
+from parkproof.model.chained import body_inputs, chained_inputs, extension_rate
 from parkproof.model.signals import tone_value
 from parkproof.scalar import sign
 from parkproof.simulation.compiler import OPTIONS
@@ -28,7 +28,6 @@ from parkproof.simulation.lanes.buffer import (
     PHI1,
     PHI2,
     S0,
-    S1,
     S2,
     S3,
     S4,
@@ -94,12 +93,22 @@ def change_coordinates(b, j):
 
 
 @inlined
-def rates(b, j, row, adversary1, adversary2):
-    """Rates γτ + φ of both channels, with the signals of rows from one on."""
-    tau1, tau2 = b[TAU1 + j], b[TAU2 + j]
-    phi1 = -adversary1 * sign(tau1) if adversary1 > 0.0 else b[row + PHI1 + j]
-    phi2 = -adversary2 * sign(tau2) if adversary2 > 0.0 else b[row + PHI2 + j]
-    return b[row + GAMMA1 + j] * tau1 + phi1, b[row + GAMMA2 + j] * tau2 + phi2
+def disturbed(b, j, row, adversary, inputs):
+    """Rates γτ + φ of both channels' last states, with the signals of rows from one on.
+
+    ``inputs`` is the first of the two rows that γ multiplies; an adversary opposes τ.
+    """
+    adversary1, adversary2 = adversary[0, j], adversary[1, j]
+    phi1 = -adversary1 * sign(b[TAU1 + j]) if adversary1 > 0.0 else b[row + PHI1 + j]
+    phi2 = -adversary2 * sign(b[TAU2 + j]) if adversary2 > 0.0 else b[row + PHI2 + j]
+    rate1 = extension_rate(b[inputs + j], b[row + GAMMA1 + j], phi1)
+    return rate1, extension_rate(b[inputs + BLOCK + j], b[row + GAMMA2 + j], phi2)
+
+
+@inlined
+def input_rates(b, j, row, adversary):
+    """Rates of the last states of a robot that takes τ itself."""
+    return disturbed(b, j, row, adversary, TAU1)
 
 
 @inlined
@@ -109,16 +118,33 @@ def scales_at(b, j, row):
 
 
 @inlined
-def move(b, j, state, adversary, h, step):
-    """Move a lane from a state by one Runge-Kutta step, in the chart or outside it."""
-    adversary1, adversary2 = adversary[0, j], adversary[1, j]
-    a1, a2 = rates(b, j, START, adversary1, adversary2)
-    m1, m2 = rates(b, j, MIDDLE, adversary1, adversary2)
-    e1, e2 = rates(b, j, END, adversary1, adversary2)
+def step_in_chart(b, _camera, j, state, one, two, h):
+    """Integration step in the chart, under the paper's camera."""
     s0, s1, s2, s3, s4 = state
+    (a1, m1, e1), (a2, m2, e2) = one, two
     a, m, e = scales_at(b, j, START), scales_at(b, j, MIDDLE), scales_at(b, j, END)
-    n0, n1, n2, n3, n4 = step(s0, s1, s2, s3, s4, a, m, e, a1, m1, e1, a2, m2, e2, h)
-    b[S0 + j], b[S1 + j], b[S2 + j], b[S3 + j], b[S4 + j] = n0, n1, n2, n3, n4
+    return chained_step(s0, s1, s2, s3, s4, a, m, e, a1, m1, e1, a2, m2, e2, h)
+
+
+@inlined
+def step_outside(b, _camera, j, state, one, two, h):
+    """Integration step outside the chart, under the paper's camera."""
+    s0, s1, s2, s3, s4 = state
+    (a1, m1, e1), (a2, m2, e2) = one, two
+    a, m, e = scales_at(b, j, START), scales_at(b, j, MIDDLE), scales_at(b, j, END)
+    return turning_step(s0, s1, s2, s3, s4, a, m, e, a1, m1, e1, a2, m2, e2, h)
+
+
+@inlined
+def move(b, camera, j, state, row, adversary, h, rates, step):
+    """Move a lane from a state by one integration step, to rows from one on."""
+    a1, a2 = rates(b, j, START, adversary)
+    m1, m2 = rates(b, j, MIDDLE, adversary)
+    e1, e2 = rates(b, j, END, adversary)
+    n0, n1, n2, n3, n4 = step(b, camera, j, state, (a1, m1, e1), (a2, m2, e2), h)
+    b[row + j], b[row + BLOCK + j], b[row + 2 * BLOCK + j] = n0, n1, n2
+    b[row + 3 * BLOCK + j], b[row + 4 * BLOCK + j] = n3, n4
+    s0, s1, _, _, _ = state
     b[PATH + j] += math.sqrt((n0 - s0) * (n0 - s0) + (n1 - s1) * (n1 - s1))
 
 
@@ -132,8 +158,18 @@ def state_at(b, j, row):
 
 
 @inlined
-def advance(b, turning, tones, kinds, adversary, t, h, steps, first):
-    """Move all lanes by one control period; before the first, find the signals at its start."""
+def signals_now_at_start(b):
+    """What was a step's end is the next one's start."""
+    for j in range(SIGNALS * BLOCK):
+        b[START + j] = b[END + j]
+
+
+@inlined
+def advance(b, camera, turning, tones, kinds, adversary, t, h, steps, first, inside, outside):
+    """Move all lanes by one control period; before the first, find the signals at its start.
+
+    ``inside`` and ``outside`` are integration steps in the chart and outside it.
+    """
     part = h / steps
     for i in range(-1 if first else 0, steps):
         begin = t + i * part
@@ -146,11 +182,12 @@ def advance(b, turning, tones, kinds, adversary, t, h, steps, first):
                         b[KEPT0 + k * BLOCK + j] = b[S0 + k * BLOCK + j]
                     b[KEPT_PATH + j] = b[PATH + j]
             for j in range(BLOCK):
-                move(b, j, state_at(b, j, S0), adversary, part, chained_step)
+                state = state_at(b, j, S0)
+                move(b, camera, j, state, S0, adversary, part, input_rates, inside)
             if turning > 0:
                 for j in range(BLOCK):
                     if b[CHART + j] == 0.0:
                         b[PATH + j] = b[KEPT_PATH + j]
-                        move(b, j, state_at(b, j, KEPT0), adversary, part, turning_step)
-        for j in range(SIGNALS * BLOCK):
-            b[START + j] = b[END + j]
+                        state = state_at(b, j, KEPT0)
+                        move(b, camera, j, state, S0, adversary, part, input_rates, outside)
+        signals_now_at_start(b)
