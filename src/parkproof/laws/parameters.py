@@ -59,6 +59,8 @@ class LawParameters(NamedTuple):
     phi2: float
     gamma_min1: float
     gamma_min2: float
+    inv_gamma1: float
+    inv_gamma2: float
     gamma_max1: float
     gamma_max2: float
     alpha1: float
@@ -187,6 +189,8 @@ def law_parameters(
         phi2=phi2,
         gamma_min1=gm1,
         gamma_min2=gm2,
+        inv_gamma1=1.0 / gm1,
+        inv_gamma2=1.0 / gm2,
         gamma_max1=gM1,
         gamma_max2=gM2,
         alpha1=0.5 * (low1 + high1),

@@ -20,7 +20,7 @@ ROWS = (
     "excursion2", "path",
     "max0", "max1", "max2", "max3", "max4", "low0", "high0", "speed", "turn_rate", "heading",
     # working values
-    "chart", "next", "ending", "tau1", "tau2", "new1", "new2", "turn_square",
+    "chart", "next", "ending", "tau1", "tau2", "new1", "new2", "error1", "error2", "push1", "push2", "turn_square",
     "kept0", "kept1", "kept2", "kept3", "kept4", "kept_path",
     "seen0", "seen1", "seen2", "seen3", "seen4", "raw2", "raw3", "raw4", "raw_chart",
     *(f"{name}_{when}" for when in ("mean", "start", "middle", "end") for name in (
@@ -42,7 +42,7 @@ largest |θ| outside the chart."""
     PEAK1, PEAK2, SQUARE1, SQUARE2, VARIATION1, VARIATION2,
     EXCURSION2, PATH,
     MAX0, MAX1, MAX2, MAX3, MAX4, LOW0, HIGH0, SPEED, TURN_RATE, HEADING,
-    CHART, NEXT, ENDING, TAU1, TAU2, NEW1, NEW2, TURN_SQUARE,
+    CHART, NEXT, ENDING, TAU1, TAU2, NEW1, NEW2, ERROR1, ERROR2, PUSH1, PUSH2, TURN_SQUARE,
     KEPT0, KEPT1, KEPT2, KEPT3, KEPT4, KEPT_PATH,
     SEEN0, SEEN1, SEEN2, SEEN3, SEEN4, RAW2, RAW3, RAW4, RAW_CHART,
     *SIGNAL_ROWS,

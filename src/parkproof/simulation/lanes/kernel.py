@@ -22,7 +22,14 @@ import numba
 import numpy as np
 from numba.extending import register_jitable
 
-from parkproof.laws.inputs import explicit_inputs, implicit_inputs, predicted, with_direct
+from parkproof.laws.inputs import (
+    explicit_answers,
+    explicit_errors,
+    explicit_inputs,
+    implicit_inputs,
+    predicted,
+    with_direct,
+)
 from parkproof.laws.table import law_named
 from parkproof.laws.turn import turn_channels, turned
 from parkproof.model.chained import chained_inputs
@@ -33,6 +40,8 @@ from parkproof.simulation.lanes.buffer import (
     BLOCK,
     CHART,
     ENDING,
+    ERROR1,
+    ERROR2,
     GROUP,
     LEFT_CHART,
     NEW1,
@@ -50,19 +59,22 @@ from parkproof.simulation.lanes.buffer import (
     SEEN4,
     STEP,
     STEPS,
+    TAU1,
+    TAU2,
     WAY,
 )
 from parkproof.simulation.lanes.first import all_tones, first_buffer, kinds_of
 from parkproof.simulation.lanes.metrics import (
     end_beyond_limits,
+    end_code,
     hand_in,
+    mark_ends,
     measure,
     note_step,
-    watch,
 )
 from parkproof.simulation.lanes.parameters import array_of, parameters_in
-from parkproof.simulation.lanes.plant import advance, change_coordinates
-from parkproof.simulation.lanes.sensor import end_unseen, is_misled, see, seen_pose
+from parkproof.simulation.lanes.plant import advance, change_coordinates, push
+from parkproof.simulation.lanes.sensor import end_unseen, is_misled, is_unseen, see, seen_pose
 from parkproof.simulation.steps import (
     chained_euler_step,
     chained_step,
@@ -154,17 +166,29 @@ def _compiled(law_name: str, implicit: bool, exact: bool, euler: bool) -> Callab
     step_outside = turning_euler_step if euler else turning_step
 
     @inlined
-    def switch(b, t, p):
-        """Next step of each lane in the chart; say how many go on or back."""
-        changes = 0
-        for j in range(BLOCK):
-            x0, x1, x2, u0, u1 = b[X0 + j], b[X1 + j], b[X2 + j], b[X3 + j], b[X4 + j]
-            step = b[STEP + j]
-            after = law_switch(step, b[WAY + j], t, x0, x1, x2, u0, u1, p)
-            after = after if step > 0.0 else step
-            b[NEXT + j] = after
-            changes += 1 if after != step else 0
-        return changes
+    def switch_from(b, step, count, firsts, t, limits, p):
+        """Next step of lanes in one step; say of how many there is more to do: a change, an end."""
+        found = 0
+        for i in range(count):
+            first = firsts[i] & (BLOCK - GROUP)  # so that the compiler sees that it is an index
+            for j in range(first, first + GROUP):
+                x0, x1, x2, u0, u1 = b[X0 + j], b[X1 + j], b[X2 + j], b[X3 + j], b[X4 + j]
+                after = law_switch(step, b[WAY + j], t, x0, x1, x2, u0, u1, p)
+                here = b[STEP + j] == step
+                b[NEXT + j] = after if here else b[NEXT + j]
+                more = after != step or end_code(b, j, limits, turns) > 0.0
+                more = more or (not exact and not turns and is_unseen(b, j))
+                found += 1 if here and more else 0
+        return found
+
+    @inlined
+    def switch(b, counts, groups, t, limits, p):
+        return (
+            switch_from(b, 1.0, counts[1], groups[1], t, limits, p)
+            + switch_from(b, 2.0, counts[2], groups[2], t, limits, p)
+            + switch_from(b, 3.0, counts[3], groups[3], t, limits, p)
+            + switch_from(b, 4.0, counts[4], groups[4], t, limits, p)
+        )
 
     @inlined
     def ask_to_begin(b, j, p):
@@ -199,16 +223,26 @@ def _compiled(law_name: str, implicit: bool, exact: bool, euler: bool) -> Callab
         return misled
 
     @inlined
+    def channels_of(b, j, step, p):
+        x0, x1, x2, u0, u1 = b[X0 + j], b[X1 + j], b[X2 + j], b[X3 + j], b[X4 + j]
+        y0, y1, y2 = predicted(x0, x1, x2, u0, u1, p)
+        return law_channels(step, b[WAY + j], y0, y1, y2, u0, p)
+
+    @inlined
     def command_in_step(b, step, count, firsts, p):
         for i in range(count):
-            first = firsts[i] & (BLOCK - GROUP)  # so that the compiler sees that it is an index
+            first = firsts[i] & (BLOCK - GROUP)
+            for j in range(first, first + GROUP):
+                one, two = channels_of(b, j, step, p)
+                b[ERROR1 + j], b[ERROR2 + j] = explicit_errors(one, two, b[X3 + j], b[X4 + j])
+        for i in range(count):
+            first = firsts[i] & (BLOCK - GROUP)
             for j in range(first, first + GROUP):
                 x0, x1, x2, u0, u1 = b[X0 + j], b[X1 + j], b[X2 + j], b[X3 + j], b[X4 + j]
-                way = b[WAY + j]
-                y0, y1, y2 = predicted(x0, x1, x2, u0, u1, p)
-                one, two = law_channels(step, way, y0, y1, y2, u0, p)
-                tau1, tau2 = inputs(one, two, u0, u1, p)
-                tau2 = with_direct(tau2, law_direct(step, way, y1, y2, u1, p), p)
+                one, two = channels_of(b, j, step, p)
+                tau1, tau2 = explicit_answers(one, two, b[ERROR1 + j], b[ERROR2 + j], p)
+                _, y1, y2 = predicted(x0, x1, x2, u0, u1, p)
+                tau2 = with_direct(tau2, law_direct(step, b[WAY + j], y1, y2, u1, p), p)
                 here = b[STEP + j] == step
                 b[NEW1 + j] = tau1 if here else b[NEW1 + j]
                 b[NEW2 + j] = tau2 if here else b[NEW2 + j]
@@ -228,29 +262,33 @@ def _compiled(law_name: str, implicit: bool, exact: bool, euler: bool) -> Callab
     ):
         p = parameters_in(numbers)
         limited = min(limits.tau1, limits.tau2, limits.speed, limits.turn_rate) < math.inf
+        opposed = False
+        for j in range(BLOCK):
+            opposed = opposed or adversary[0, j] > 0.0 or adversary[1, j] > 0.0
         running = BLOCK
-        turning = False
         for k in range(clock.samples + 1):
             t = k * clock.period
             if not exact:
                 see(b, ring, k, sensing, keys)
-            ended = watch(b, limits, turns)
-            if not exact and not turns:
-                ended += end_unseen(b)
-            changes = switch(b, t, p)
-            if changes > 0 or turning or k == 0:
+            more = switch(b, counts, groups, t, limits, p)
+            if more > 0 or counts[0] > 0 or k == 0:
+                ended = mark_ends(b, limits, turns)
+                if not exact and not turns:
+                    ended += end_unseen(b)
                 ended += change_steps(b, t, p)
-            if ended > 0:
-                running -= hand_in(b, t, False, out)
-            if changes + ended > 0 or turning or k == 0:
+                if ended > 0:
+                    running -= hand_in(b, t, False, out)
                 find_steps(b, counts, groups)
-                turning = counts[0] > 0
+            turning = counts[0] > 0
             command_turning(b, counts[0], groups[0], p)
             command_in_step(b, 1.0, counts[1], groups[1], p)
             command_in_step(b, 2.0, counts[2], groups[2], p)
             command_in_step(b, 3.0, counts[3], groups[3], p)
             command_in_step(b, 4.0, counts[4], groups[4], p)
-            measure(b, k == 0, t >= clock.residual_from, counts[4] > 0, turning)
+            if k == 0:
+                for j in range(BLOCK):
+                    b[TAU1 + j], b[TAU2 + j] = b[NEW1 + j], b[NEW2 + j]
+            measure(b, t >= clock.residual_from, counts[4] > 0, turning)
             ended = end_beyond_limits(b, limits) if limited else 0
             last = k == clock.samples
             if ended > 0 or last:
@@ -259,8 +297,10 @@ def _compiled(law_name: str, implicit: bool, exact: bool, euler: bool) -> Callab
                 turning = counts[0] > 0
             if running == 0:
                 break
+            if opposed:
+                push(b, adversary)
             advance(
-                b, turning, tones, kinds, adversary, t, clock.period, clock.plant_steps, k == 0,
+                b, turning, tones, kinds, t, clock.period, clock.plant_steps, k == 0,
                 euler, step_in_chart, step_outside,
             )  # fmt: skip
 

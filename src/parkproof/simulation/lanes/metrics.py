@@ -105,13 +105,12 @@ def end_code(b, j, limits, turns):
 
 
 @inlined
-def watch(b, limits, turns):
+def mark_ends(b, limits, turns):
     """Mark lanes that cannot go on from this measurement, and say how many."""
     found = 0
     for j in range(BLOCK):
-        code = end_code(b, j, limits, turns)
-        b[ENDING + j] = code
-        found += 1 if code > 0.0 else 0
+        b[ENDING + j] = end_code(b, j, limits, turns)
+        found += 1 if b[ENDING + j] > 0.0 else 0
     return found
 
 
@@ -132,7 +131,7 @@ def note_step(b, j, t):
 
 
 @inlined
-def measure(b, first, late, holding, turning):
+def measure(b, late, holding, turning):
     """Update the metrics of all lanes; the new inputs become those in force."""
     for j in range(BLOCK):
         tau1, tau2 = b[NEW1 + j], b[NEW2 + j]
@@ -141,8 +140,8 @@ def measure(b, first, late, holding, turning):
         b[PEAK2 + j] = max(b[PEAK2 + j], abs(tau2))
         b[SQUARE1 + j] += tau1 * tau1
         b[SQUARE2 + j] += tau2 * tau2
-        b[VARIATION1 + j] += 0.0 if first else change1
-        b[VARIATION2 + j] += 0.0 if first else change2
+        b[VARIATION1 + j] += change1
+        b[VARIATION2 + j] += change2
         b[TAU1 + j], b[TAU2 + j] = tau1, tau2
     for j in range(BLOCK):
         x, y, u0, u1 = b[S0 + j], b[S1 + j], b[S3 + j], b[S4 + j]

@@ -7,7 +7,7 @@ import math
 
 from numba.extending import register_jitable
 
-from parkproof.model.chained import body_inputs, chained_inputs
+from parkproof.model.chained import body_inputs, chained_inputs, extension_rate
 from parkproof.model.signals import tone_value
 from parkproof.scalar import sign
 from parkproof.simulation.compiler import OPTIONS
@@ -27,6 +27,8 @@ from parkproof.simulation.lanes.buffer import (
     PATH,
     PHI1,
     PHI2,
+    PUSH1,
+    PUSH2,
     S0,
     S1,
     S2,
@@ -53,19 +55,27 @@ def tone_at(tones, i, m, j, squares, t):
 
 @inlined
 def fill_signals(b, tones, kinds, rows, t):
-    """Write the signals that vary at a time into their rows; those of constant ones are right."""
+    """Write the signals that vary at a time into their rows; those of constant ones are right.
+
+    A step's end is the next one's start: where the rows are those for the end, what they held
+    becomes the start.
+    """
     for i in range(SIGNALS):
         row = i * BLOCK
         for m in range(kinds.shape[1]):
             kind = kinds[i, m]
             if kind == SINES and m == 0:
                 for j in range(BLOCK):
+                    if rows == END:
+                        b[START + row + j] = b[END + row + j]
                     b[rows + row + j] = b[MEAN + row + j] + tone_at(tones, i, 0, j, False, t)
             elif kind == SINES:
                 for j in range(BLOCK):
                     b[rows + row + j] += tone_at(tones, i, m, j, False, t)
             elif kind == SQUARES:
                 for j in range(BLOCK):
+                    if rows == END and m == 0:
+                        b[START + row + j] = b[END + row + j]
                     before = b[MEAN + row + j] if m == 0 else b[rows + row + j]
                     b[rows + row + j] = before + tone_at(tones, i, m, j, True, t)
 
@@ -84,12 +94,21 @@ def change_coordinates(b, j):
 
 
 @inlined
-def rates(b, j, row, adversary1, adversary2):
+def push(b, adversary):
+    """Disturbances of adversaries, which oppose the inputs; all other lanes keep theirs, 0."""
+    for j in range(BLOCK):
+        b[PUSH1 + j] = -adversary[0, j] * sign(b[TAU1 + j])
+        b[PUSH2 + j] = -adversary[1, j] * sign(b[TAU2 + j])
+
+
+@inlined
+def rates(b, j, row):
     """Rates γτ + φ of both channels, with the signals of rows from one on."""
-    tau1, tau2 = b[TAU1 + j], b[TAU2 + j]
-    phi1 = -adversary1 * sign(tau1) if adversary1 > 0.0 else b[row + PHI1 + j]
-    phi2 = -adversary2 * sign(tau2) if adversary2 > 0.0 else b[row + PHI2 + j]
-    return b[row + GAMMA1 + j] * tau1 + phi1, b[row + GAMMA2 + j] * tau2 + phi2
+    phi1, phi2 = b[row + PHI1 + j] + b[PUSH1 + j], b[row + PHI2 + j] + b[PUSH2 + j]
+    return (
+        extension_rate(b[TAU1 + j], b[row + GAMMA1 + j], phi1),
+        extension_rate(b[TAU2 + j], b[row + GAMMA2 + j], phi2),
+    )
 
 
 @inlined
@@ -99,12 +118,11 @@ def scales_at(b, j, row):
 
 
 @inlined
-def move(b, j, state, adversary, h, step):
+def move(b, j, state, h, step):
     """Move a lane from a state by one integration step, in the chart or outside it."""
-    adversary1, adversary2 = adversary[0, j], adversary[1, j]
-    a1, a2 = rates(b, j, START, adversary1, adversary2)
-    m1, m2 = rates(b, j, MIDDLE, adversary1, adversary2)
-    e1, e2 = rates(b, j, END, adversary1, adversary2)
+    a1, a2 = rates(b, j, START)
+    m1, m2 = rates(b, j, MIDDLE)
+    e1, e2 = rates(b, j, END)
     s0, s1, s2, s3, s4 = state
     a, m, e = scales_at(b, j, START), scales_at(b, j, MIDDLE), scales_at(b, j, END)
     n0, n1, n2, n3, n4 = step(s0, s1, s2, s3, s4, a, m, e, a1, m1, e1, a2, m2, e2, h)
@@ -122,18 +140,19 @@ def state_at(b, j, row):
 
 
 @inlined
-def advance(b, turning, tones, kinds, adversary, t, h, steps, first, euler, step, turn):
+def advance(b, turning, tones, kinds, t, h, steps, first, euler, step, turn):
     """Move all lanes by one control period; before the first, find the signals at its start.
 
     Integration steps are ``step`` in the chart and ``turn`` outside it; Euler's know no middle.
     """
     part = h / steps
-    for i in range(-1 if first else 0, steps):
+    for i in range(-1 if first and not euler else 0, steps):
         begin = t + i * part
-        middle, end = begin + 0.5 * part, begin + part
-        if not euler:
-            fill_signals(b, tones, kinds, MIDDLE, middle)
-        fill_signals(b, tones, kinds, END, end)
+        if euler:
+            fill_signals(b, tones, kinds, START, begin)
+        else:
+            fill_signals(b, tones, kinds, MIDDLE, begin + 0.5 * part)
+            fill_signals(b, tones, kinds, END, begin + part)
         if i >= 0:
             if turning:  # the loop for lanes in the chart takes all along, and is then undone
                 for j in range(BLOCK):
@@ -141,11 +160,9 @@ def advance(b, turning, tones, kinds, adversary, t, h, steps, first, euler, step
                         b[KEPT0 + k * BLOCK + j] = b[S0 + k * BLOCK + j]
                     b[KEPT_PATH + j] = b[PATH + j]
             for j in range(BLOCK):
-                move(b, j, state_at(b, j, S0), adversary, part, step)
+                move(b, j, state_at(b, j, S0), part, step)
             if turning:
                 for j in range(BLOCK):
                     if b[CHART + j] == 0.0:
                         b[PATH + j] = b[KEPT_PATH + j]
-                        move(b, j, state_at(b, j, KEPT0), adversary, part, turn)
-        for j in range(SIGNALS * BLOCK):
-            b[START + j] = b[END + j]
+                        move(b, j, state_at(b, j, KEPT0), part, turn)

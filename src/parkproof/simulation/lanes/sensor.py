@@ -82,11 +82,17 @@ def seen_pose(b, j):
 
 
 @inlined
+def is_unseen(b, j):
+    """Whether a law that cannot turn is told of a heading outside the chart."""
+    return not abs(b[SEEN2 + j]) < 1e6
+
+
+@inlined
 def end_unseen(b):
-    """Mark lanes whose law cannot turn, and is told of a heading outside the chart."""
+    """Mark such lanes, and say how many."""
     found = 0
     for j in range(BLOCK):
-        if b[ENDING + j] == 0.0 and not abs(b[SEEN2 + j]) < 1e6:
+        if b[ENDING + j] == 0.0 and is_unseen(b, j):
             b[ENDING + j] = LEFT_CHART
             found += 1
     return found
