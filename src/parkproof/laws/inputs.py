@@ -6,7 +6,7 @@ nominal law at the positions predicted one period ahead and takes the sign at th
 
 from parkproof.laws.chains import ChannelLaw, chain_error
 from parkproof.laws.parameters import LawParameters
-from parkproof.laws.robustify import robust, robust_implicit
+from parkproof.laws.robustify import implicit_end, pull, robust
 from parkproof.scalar import clip, scalar, spow
 
 
@@ -157,6 +157,41 @@ def explicit_inputs(
 
 
 @scalar
+def implicit_answers(
+    end1: float, size1: float, end2: float, size2: float, u0: float, u1: float, p: LawParameters
+) -> tuple[float, float]:
+    """Inputs that bring both channels to their ends, the second half of `implicit_inputs`.
+
+    Parameters
+    ----------
+    end1, end2 : float
+        Where u0 and u1 shall end, from `parkproof.laws.robustify.implicit_end`.
+    size1, size2 : float
+        Gains of their laws, or a positive multiple of them; no control where one is 0.
+    u0, u1 : float
+        Measured last states of both channels.
+    p : LawParameters
+        Gains and bounds; inputs are clipped at ``tau_max``.
+
+    Returns
+    -------
+    tuple of 2 floats
+        τ1, τ2.
+
+    Examples
+    --------
+    >>> from parkproof.laws import default_parameters
+    >>> tau1, tau2 = implicit_answers(
+    ...     1.0, 2.0, 0.0, 0.0, 1.002, 0.5, default_parameters(implicit=True))
+    >>> round(tau1, 9), tau2
+    (-1.0, 0.0)
+    """
+    tau1 = pull(u0, end1, size1, p.gamma_max1, p.period)
+    tau2 = pull(u1, end2, size2, p.gamma_max2, p.period)
+    return clip(tau1, p.tau_max1), clip(tau2, p.tau_max2)
+
+
+@scalar
 def implicit_inputs(
     one: ChannelLaw, two: ChannelLaw, u0: float, u1: float, p: LawParameters
 ) -> tuple[float, float]:
@@ -186,6 +221,8 @@ def implicit_inputs(
     >>> round(tau1, 2), abs(tau2)
     (-4.5, 0.0)
     """
-    tau1 = robust_implicit(u0, *one, p.phi1, p.gamma_min1, p.gamma_max1, p.period)
-    tau2 = robust_implicit(u1, *two, p.phi2, p.gamma_min2, p.gamma_max2, p.period)
-    return clip(tau1, p.tau_max1), clip(tau2, p.tau_max2)
+    end1 = implicit_end(u0, *one, p.kappa1 * p.phi1, p.kappa1)
+    end2 = implicit_end(u1, *two, p.kappa2 * p.phi2, p.kappa2)
+    gain1, _, _, _ = one
+    gain2, _, _, _ = two
+    return implicit_answers(end1, gain1, end2, gain2, u0, u1, p)

@@ -14,7 +14,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic, overload, register_jitable
 
-from parkproof.scalar import sine, spow
+from parkproof.scalar import sine, spow, tangent
 from parkproof.simulation.compiler import OPTIONS
 
 ROUNDER = 6755399441055744.0
@@ -139,3 +139,10 @@ def replace_primitives() -> None:
             return wave(x)
 
         return polynomial
+
+    @overload(tangent, jit_options=options)
+    def choose_tangent(x: Any) -> Any:  # noqa: ARG001
+        def quotient(x: Any) -> Any:
+            return wave(x) / wave(x + 0.5 * math.pi)
+
+        return quotient

@@ -30,7 +30,6 @@ from parkproof.simulation.lanes.buffer import (
     PUSH1,
     PUSH2,
     S0,
-    S1,
     S2,
     S3,
     S4,
@@ -41,6 +40,12 @@ from parkproof.simulation.lanes.buffer import (
     STEP,
     TAU1,
     TAU2,
+)
+from parkproof.simulation.steps import (
+    chained_euler_step,
+    chained_step,
+    turning_euler_step,
+    turning_step,
 )
 
 inlined = register_jitable(forceinline=True, **OPTIONS)
@@ -102,13 +107,20 @@ def push(b, adversary):
 
 
 @inlined
-def rates(b, j, row):
-    """Rates γτ + φ of both channels, with the signals of rows from one on."""
+def disturbed(b, j, row, inputs):
+    """Rates γτ + φ of both channels' last states, with the signals of rows from one on.
+
+    ``inputs`` is the first of the two rows that γ multiplies.
+    """
     phi1, phi2 = b[row + PHI1 + j] + b[PUSH1 + j], b[row + PHI2 + j] + b[PUSH2 + j]
-    return (
-        extension_rate(b[TAU1 + j], b[row + GAMMA1 + j], phi1),
-        extension_rate(b[TAU2 + j], b[row + GAMMA2 + j], phi2),
-    )
+    rate1 = extension_rate(b[inputs + j], b[row + GAMMA1 + j], phi1)
+    return rate1, extension_rate(b[inputs + BLOCK + j], b[row + GAMMA2 + j], phi2)
+
+
+@inlined
+def input_rates(b, j, row):
+    """Rates of the last states of a robot that takes τ itself."""
+    return disturbed(b, j, row, TAU1)
 
 
 @inlined
@@ -118,15 +130,49 @@ def scales_at(b, j, row):
 
 
 @inlined
-def move(b, j, state, h, step):
-    """Move a lane from a state by one integration step, in the chart or outside it."""
+def step_in_chart(b, _camera, j, state, one, two, h):
+    """Integration step in the chart, under the paper's camera."""
+    s0, s1, s2, s3, s4 = state
+    (a1, m1, e1), (a2, m2, e2) = one, two
+    a, m, e = scales_at(b, j, START), scales_at(b, j, MIDDLE), scales_at(b, j, END)
+    return chained_step(s0, s1, s2, s3, s4, a, m, e, a1, m1, e1, a2, m2, e2, h)
+
+
+@inlined
+def step_outside(b, _camera, j, state, one, two, h):
+    """Integration step outside the chart, under the paper's camera."""
+    s0, s1, s2, s3, s4 = state
+    (a1, m1, e1), (a2, m2, e2) = one, two
+    a, m, e = scales_at(b, j, START), scales_at(b, j, MIDDLE), scales_at(b, j, END)
+    return turning_step(s0, s1, s2, s3, s4, a, m, e, a1, m1, e1, a2, m2, e2, h)
+
+
+@inlined
+def euler_in_chart(b, _camera, j, state, one, two, h):
+    """Euler's step in the chart, under the paper's camera."""
+    s0, s1, s2, s3, s4 = state
+    (a1, _, _), (a2, _, _) = one, two
+    return chained_euler_step(s0, s1, s2, s3, s4, scales_at(b, j, START), a1, a2, h)
+
+
+@inlined
+def euler_outside(b, _camera, j, state, one, two, h):
+    """Euler's step outside the chart, under the paper's camera."""
+    s0, s1, s2, s3, s4 = state
+    (a1, _, _), (a2, _, _) = one, two
+    return turning_euler_step(s0, s1, s2, s3, s4, scales_at(b, j, START), a1, a2, h)
+
+
+@inlined
+def move(b, camera, j, state, row, h, rates, step):
+    """Move a lane from a state by one integration step, to rows from one on."""
     a1, a2 = rates(b, j, START)
     m1, m2 = rates(b, j, MIDDLE)
     e1, e2 = rates(b, j, END)
-    s0, s1, s2, s3, s4 = state
-    a, m, e = scales_at(b, j, START), scales_at(b, j, MIDDLE), scales_at(b, j, END)
-    n0, n1, n2, n3, n4 = step(s0, s1, s2, s3, s4, a, m, e, a1, m1, e1, a2, m2, e2, h)
-    b[S0 + j], b[S1 + j], b[S2 + j], b[S3 + j], b[S4 + j] = n0, n1, n2, n3, n4
+    n0, n1, n2, n3, n4 = step(b, camera, j, state, (a1, m1, e1), (a2, m2, e2), h)
+    b[row + j], b[row + BLOCK + j], b[row + 2 * BLOCK + j] = n0, n1, n2
+    b[row + 3 * BLOCK + j], b[row + 4 * BLOCK + j] = n3, n4
+    s0, s1, _, _, _ = state
     b[PATH + j] += math.sqrt((n0 - s0) * (n0 - s0) + (n1 - s1) * (n1 - s1))
 
 
@@ -140,10 +186,11 @@ def state_at(b, j, row):
 
 
 @inlined
-def advance(b, turning, tones, kinds, t, h, steps, first, euler, step, turn):
+def advance(b, camera, turning, tones, kinds, t, h, steps, first, inside, outside, euler):
     """Move all lanes by one control period; before the first, find the signals at its start.
 
-    Integration steps are ``step`` in the chart and ``turn`` outside it; Euler's know no middle.
+    ``inside`` and ``outside`` are integration steps in the chart and outside it; those of Euler
+    know signals at a step's start only.
     """
     part = h / steps
     for i in range(-1 if first and not euler else 0, steps):
@@ -160,9 +207,10 @@ def advance(b, turning, tones, kinds, t, h, steps, first, euler, step, turn):
                         b[KEPT0 + k * BLOCK + j] = b[S0 + k * BLOCK + j]
                     b[KEPT_PATH + j] = b[PATH + j]
             for j in range(BLOCK):
-                move(b, j, state_at(b, j, S0), part, step)
+                move(b, camera, j, state_at(b, j, S0), S0, part, input_rates, inside)
             if turning:
                 for j in range(BLOCK):
                     if b[CHART + j] == 0.0:
                         b[PATH + j] = b[KEPT_PATH + j]
-                        move(b, j, state_at(b, j, KEPT0), part, turn)
+                        state = state_at(b, j, KEPT0)
+                        move(b, camera, j, state, S0, part, input_rates, outside)
