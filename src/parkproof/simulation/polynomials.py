@@ -107,10 +107,15 @@ def _sine_polynomial(x: float) -> float:
     k = shifted - ROUNDER
     r = fused(-k, PI_REST, fused(-k, math.pi, x))
     g = r * r
-    g2 = g * g
-    low = fused(fused(SIN[3], g, SIN[2]), g2, fused(SIN[1], g, SIN[0]))
-    high = fused(fused(SIN[7], g, SIN[6]), g2, fused(SIN[5], g, SIN[4]))
-    value = fused(r * g, fused(high, g2 * g2, low), r)
+    series = SIN[7]
+    series = fused(series, g, SIN[6])
+    series = fused(series, g, SIN[5])
+    series = fused(series, g, SIN[4])
+    series = fused(series, g, SIN[3])
+    series = fused(series, g, SIN[2])
+    series = fused(series, g, SIN[1])
+    series = fused(series, g, SIN[0])
+    value = fused(r * g, series, r)
     return double_of(bits_of(value) ^ (bits_of(shifted) << 63))
 
 

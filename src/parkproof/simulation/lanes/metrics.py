@@ -68,15 +68,6 @@ RESULT_ROWS = len(RESULTS)
 
 
 @inlined
-def count(b, row, value):
-    """Count the lanes with a given value in a row."""
-    found = 0
-    for j in range(BLOCK):
-        found += 1 if b[row + j] == value else 0
-    return found
-
-
-@inlined
 def hand_in(b, t, last, out, idle):
     """Write the results of lanes that end, or of all that are left; say how many.
 
@@ -117,13 +108,12 @@ def end_code(b, camera, j, limits, turns, pictured):
 
 
 @inlined
-def watch(b, camera, limits, turns, pictured):
+def mark_ends(b, camera, limits, turns, pictured):
     """Mark lanes that cannot go on from this measurement, and say how many."""
     found = 0
     for j in range(BLOCK):
-        code = end_code(b, camera, j, limits, turns, pictured)
-        b[ENDING + j] = code
-        found += 1 if code > 0.0 else 0
+        b[ENDING + j] = end_code(b, camera, j, limits, turns, pictured)
+        found += 1 if b[ENDING + j] > 0.0 else 0
     return found
 
 
@@ -144,7 +134,7 @@ def note_step(b, j, t):
 
 
 @inlined
-def measure(b, first, late, holding, turning, gain):
+def measure(b, late, holding, turning, gain):
     """Update the metrics of all lanes; the new inputs become those in force.
 
     ``gain`` gives β, from the robot's turn rate to that of its heading.
@@ -156,8 +146,8 @@ def measure(b, first, late, holding, turning, gain):
         b[PEAK2 + j] = max(b[PEAK2 + j], abs(tau2))
         b[SQUARE1 + j] += tau1 * tau1
         b[SQUARE2 + j] += tau2 * tau2
-        b[VARIATION1 + j] += 0.0 if first else change1
-        b[VARIATION2 + j] += 0.0 if first else change2
+        b[VARIATION1 + j] += change1
+        b[VARIATION2 + j] += change2
         b[TAU1 + j], b[TAU2 + j] = tau1, tau2
     for j in range(BLOCK):
         x, y, u0, u1 = b[S0 + j], b[S1 + j], b[S3 + j], b[S4 + j]

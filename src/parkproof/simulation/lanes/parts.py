@@ -39,7 +39,7 @@ class Parts(NamedTuple):
     act : callable
         (b, h): what robots are sent for τ.
     go : callable
-        (b, camera, turning, tones, kinds, adversary, t, h, steps, first): a control period.
+        (b, camera, turning, tones, kinds, t, h, steps, first): a control period.
     idle : callable
         (b, j): let a lane that has ended stand still.
     """
@@ -66,7 +66,7 @@ def nothing(_b, _other):
     """Do nothing."""
 
 
-def parts_of(robot: RobotKind, *, camera: bool, exact: bool) -> Parts:
+def parts_of(robot: RobotKind, *, camera: bool, exact: bool, euler: bool = False) -> Parts:
     """Choose the parts of a kernel.
 
     Parameters
@@ -77,6 +77,9 @@ def parts_of(robot: RobotKind, *, camera: bool, exact: bool) -> Parts:
         Whether each lane has a camera of its own, or all have the paper's.
     exact : bool
         Whether measurements are without noise and latency.
+    euler : bool
+        Whether to integrate by Euler's method; for robots of kind "chained" under the paper's
+        camera.
 
     Returns
     -------
@@ -90,15 +93,17 @@ def parts_of(robot: RobotKind, *, camera: bool, exact: bool) -> Parts:
     """
     pictured = image.in_picture if camera else image.everywhere
     gain = image.gain_of if camera else image.no_gain
-    build = _chained if robot == "chained" else _own
-    return build(robot, camera, exact)._replace(pictured=pictured, gain=gain)
+    parts = _chained(camera, exact, euler) if robot == "chained" else _own(robot, camera, exact)
+    return parts._replace(pictured=pictured, gain=gain)
 
 
-def _chained(_robot: RobotKind, camera: bool, exact: bool) -> Parts:
+def _chained(camera: bool, exact: bool, euler: bool) -> Parts:
     """Parts for robots that take τ: their state is in S0 … S4, in either coordinates."""
     find_gains = image.find_gains if camera else nothing
     inside = image.image_step_in_chart if camera else plant.step_in_chart
     outside = image.image_step_outside if camera else plant.step_outside
+    if euler:
+        inside, outside = plant.euler_in_chart, plant.euler_outside
     see, advance = sensor.see, plant.advance
 
     @inlined
@@ -111,9 +116,9 @@ def _chained(_robot: RobotKind, camera: bool, exact: bool) -> Parts:
         see(b, ring, k, sensing, keys)
 
     @inlined
-    def go(b, camera, turning, tones, kinds, adversary, t, h, steps, first):
+    def go(b, camera, turning, tones, kinds, t, h, steps, first):
         advance(
-            b, camera, turning, tones, kinds, adversary, t, h, steps, first, inside, outside
+            b, camera, turning, tones, kinds, t, h, steps, first, inside, outside, euler
         )  # fmt: skip
 
     return Parts(
@@ -150,8 +155,8 @@ def _own(robot: RobotKind, camera: bool, exact: bool) -> Parts:
         rely(b)
 
     @inlined
-    def go(b, camera, _turning, tones, kinds, adversary, t, h, steps, first):
-        advance(b, camera, tones, kinds, adversary, t, h, steps, first, rates, step)
+    def go(b, camera, _turning, tones, kinds, t, h, steps, first):
+        advance(b, camera, tones, kinds, t, h, steps, first, rates, step)
 
     return Parts(
         begin=begin,

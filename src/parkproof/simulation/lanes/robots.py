@@ -22,11 +22,13 @@ from parkproof.simulation.lanes.buffer import (
     BETA,
     BLOCK,
     CHART,
+    END,
     KEPT_CHART,
     KEPT_OMEGA,
     KEPT_U0,
     KEPT_U1,
     KEPT_V,
+    MIDDLE,
     OWN0,
     OWN1,
     OWN2,
@@ -61,7 +63,6 @@ from parkproof.simulation.lanes.plant import (
     disturbed,
     fill_signals,
     move,
-    signals_now_at_start,
     state_at,
 )
 from parkproof.simulation.lanes.sensor import take
@@ -217,26 +218,25 @@ def drive(b, h):
 
 
 @inlined
-def acceleration_rates(b, j, row, adversary):
+def acceleration_rates(b, j, row):
     """Rates of v and ω of a torque-commanded robot."""
-    return disturbed(b, j, row, adversary, ACT1)
+    return disturbed(b, j, row, ACT1)
 
 
 @inlined
-def no_rates(_b, _j, _row, _adversary):
+def no_rates(_b, _j, _row):
     """A velocity-commanded robot keeps its velocities over a period."""
     return 0.0, 0.0
 
 
 @inlined
-def advance_robots(b, camera, tones, kinds, adversary, t, h, steps, first, rates, step):
+def advance_robots(b, camera, tones, kinds, t, h, steps, first, rates, step):
     """Move all robots by one control period; before the first, find the signals at its start."""
     part = h / steps
     for i in range(-1 if first else 0, steps):
         begin = t + i * part
-        fill_signals(b, tones, kinds, begin + 0.5 * part, begin + part)
+        fill_signals(b, tones, kinds, MIDDLE, begin + 0.5 * part)
+        fill_signals(b, tones, kinds, END, begin + part)
         if i >= 0:
             for j in range(BLOCK):
-                state = state_at(b, j, OWN0)
-                move(b, camera, j, state, OWN0, adversary, part, rates, step)
-        signals_now_at_start(b)
+                move(b, camera, j, state_at(b, j, OWN0), OWN0, part, rates, step)

@@ -89,12 +89,17 @@ def seen_pose(b, j):
 
 
 @inlined
+def is_unseen(b, j):
+    """Whether a lane whose law cannot turn is outside the chart, or seen there."""
+    return not (abs(b[SEEN2 + j]) < 1e6 and (b[CHART + j] == 1.0 or b[STEP + j] < 1.0))
+
+
+@inlined
 def end_unseen(b):
-    """Mark lanes whose law cannot turn, and which are outside the chart, or seen there."""
+    """Mark such lanes, and say how many."""
     found = 0
     for j in range(BLOCK):
-        inside = abs(b[SEEN2 + j]) < 1e6 and (b[CHART + j] == 1.0 or b[STEP + j] < 1.0)
-        if b[ENDING + j] == 0.0 and not inside:
+        if b[ENDING + j] == 0.0 and is_unseen(b, j):
             b[ENDING + j] = LEFT_CHART
             found += 1
     return found
