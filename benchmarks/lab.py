@@ -1,6 +1,6 @@
 """Random cameras, robots and starts in the simulated laboratory: how many park, and how well.
 
-    python benchmarks/lab.py --cameras 100 --starts 3 [--hard] [--out lab.csv] [--workers 2]
+    python benchmarks/lab.py --cameras 100 --starts 3 [--hard] [--torque] [--out FILE] [--workers 2]
 
 Needs the extra "lab". One line a run is appended to the file, and runs that are in it are not
 repeated, so that the benchmark can be interrupted. Then the table is printed.
@@ -8,6 +8,7 @@ repeated, so that the benchmark can be interrupted. Then the table is printed.
 
 import argparse
 import csv
+import math
 import statistics
 import time
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -18,15 +19,19 @@ from rich.progress import Progress
 from rich.table import Table
 
 FIELDS = (
-    "seed", "start", "hard", "outcome", "parked_after", "px", "deg", "floor_cm", "floor_deg",
-    "allowed_cm", "out_of_view", "frames", "courses", "alarms", "median_ms", "p99_ms", "speed",
-    "side_px", "parkable",
+    "seed", "start", "hard", "torque", "outcome", "parked_after", "px", "deg", "floor_cm",
+    "floor_deg", "allowed_cm", "out_of_view", "frames", "courses", "alarms", "median_ms", "p99_ms",
+    "speed", "side_px", "parkable",
 )  # fmt: skip
 
+KEY = FIELDS[:4]
+"""What names a run."""
 
-def run(seed: int, start: int, hard: bool) -> dict:
+
+def run(seed: int, start: int, hard: int, torque: int) -> dict:
     """One run; numbers of the picture are the worst while the robot was held for 10 s."""
     import cv2
+    from msgspec.structs import replace
 
     from parkproof.lab.settings import LabSettings
     from parkproof.lab.simulated import run_simulated, shown_goal
@@ -34,7 +39,10 @@ def run(seed: int, start: int, hard: bool) -> dict:
     from parkproof.lab.world.random_world import random_world
 
     cv2.setNumThreads(1)
-    with World(random_world(seed, start=start, hard=hard)) as world:
+    drawn = random_world(seed, start=start, hard=bool(hard))
+    if torque:
+        drawn = replace(drawn, robot=replace(drawn.robot, commanded_by="torque"))
+    with World(drawn) as world:
         goal = shown_goal(world)
         begun, simulated = time.perf_counter(), world.t
         judged = run_simulated(world, goal, settings=LabSettings())
@@ -46,7 +54,8 @@ def run(seed: int, start: int, hard: bool) -> dict:
         return {
             "seed": seed,
             "start": start,
-            "hard": int(hard),
+            "hard": hard,
+            "torque": torque,
             "outcome": found.outcome.value,
             "parked_after": found.parked_at - found.began if found.parked_at else "",
             "px": round(judged.worst_image_error.distance, 3),
@@ -69,7 +78,7 @@ def run(seed: int, start: int, hard: bool) -> dict:
 def parkable(world, goal) -> bool:
     """Whether a refused start has a course if every gain is known exactly, with hardly a margin."""
     from parkproof.bounds import Bounds
-    from parkproof.lab.pilot import Arrival
+    from parkproof.lab.arrival import Arrival
     from parkproof.lab.plan import Task, plan_course
     from parkproof.lab.predict import GoalPose
     from parkproof.lab.view import ImageView, tag_footprint
@@ -103,8 +112,10 @@ def parked(row: dict) -> bool:
 
 
 def quantile(values: list[float], share: float) -> float:
-    """The value below which this share lies."""
+    """The value below which this share lies; not a number where there are none."""
     ordered = sorted(values)
+    if not ordered:
+        return math.nan
     return ordered[min(len(ordered) - 1, int(share * len(ordered)))]
 
 
@@ -117,6 +128,8 @@ def summarise(rows: list[dict], console: Console) -> None:
 
     def numbers(name: str, of: list[dict]) -> str:
         values = [float(row[name]) for row in of]
+        if not values:
+            return "none"
         return f"median {statistics.median(values):.3g}, worst {max(values):.3g}"
 
     sure = sum(row["parkable"] == "0" for row in rows)
@@ -127,7 +140,7 @@ def summarise(rows: list[dict], console: Console) -> None:
     )
     table.add_row(
         "parked and held for 10 s within 1 px, 1° and 1 cm",
-        f"{len(good)} of {len(accepted)} ({100 * len(good) / len(accepted):.1f} %)",
+        f"{len(good)} of {len(accepted)} ({100 * len(good) / max(len(accepted), 1):.1f} %)",
     )
     outside = sum(int(row["out_of_view"]) for row in rows)
     frames = sum(int(row["frames"]) for row in rows)
@@ -136,21 +149,16 @@ def summarise(rows: list[dict], console: Console) -> None:
     table.add_row("error of the image heading, °", numbers("deg", good))
     table.add_row("error on the floor, cm", numbers("floor_cm", good))
     table.add_row("error of the heading, °", numbers("floor_deg", good))
-    times = [float(row["parked_after"]) for row in good]
+    late = quantile([float(row["parked_after"]) for row in good], 0.95)
+    table.add_row("time to park, s", f"{numbers('parked_after', good)}, 95 % within {late:.3g}")
+    table.add_row("image in to command out, median of a run, ms", numbers("median_ms", accepted))
     table.add_row(
-        "time to park, s",
-        f"median {statistics.median(times):.1f}, 95 % {quantile(times, 0.95):.1f}, "
-        f"worst {max(times):.1f}",
+        "image in to command out, 99th percentile of a run, ms", numbers("p99_ms", accepted)
     )
+    speeds = [float(row["speed"]) for row in accepted]
+    least = min(speeds, default=math.nan)
     table.add_row(
-        "image in to command out, ms",
-        f"median {statistics.median(float(row['median_ms']) for row in accepted):.2f}, "
-        f"99th percentile {statistics.median(float(row['p99_ms']) for row in accepted):.1f}",
-    )
-    table.add_row(
-        "speed, times real time",
-        f"median {statistics.median(float(row['speed']) for row in accepted):.1f}, "
-        f"least {min(float(row['speed']) for row in accepted):.1f}",
+        "speed, times real time", f"median {quantile(speeds, 0.5):.3g}, least {least:.3g}"
     )
     console.print(table)
     for row in accepted:
@@ -165,6 +173,7 @@ def main() -> None:
     parser.add_argument("--starts", type=int, default=3)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--hard", action="store_true")
+    parser.add_argument("--torque", action="store_true")
     parser.add_argument("--out", type=Path, default=Path("lab.csv"))
     parser.add_argument("--workers", type=int, default=1)
     given = parser.parse_args()
@@ -173,9 +182,11 @@ def main() -> None:
     if given.out.exists():
         with given.out.open(encoding="utf-8", newline="") as file:
             for row in csv.DictReader(file):
-                done[int(row["seed"]), int(row["start"]), int(row["hard"])] = row
+                key = tuple(int(row[name]) for name in KEY)
+                done[key] = row
     seeds = range(given.first, given.first + given.cameras)
-    wanted = [(seed, start, int(given.hard)) for seed in seeds for start in range(given.starts)]
+    kind = int(given.hard), int(given.torque)
+    wanted = [(seed, start, *kind) for seed in seeds for start in range(given.starts)]
     missing = [key for key in wanted if key not in done]
     if missing:
         new = not given.out.exists()
@@ -188,7 +199,7 @@ def main() -> None:
             if new:
                 writer.writeheader()
             bar = progress.add_task("parking", total=len(missing))
-            futures = {pool.submit(run, *key[:2], bool(key[2])): key for key in missing}
+            futures = {pool.submit(run, *key): key for key in missing}
             for future in as_completed(futures):
                 row = future.result()
                 writer.writerow(row)

@@ -5,6 +5,7 @@ import subprocess
 import sys
 import threading
 import time
+import zlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -62,9 +63,12 @@ def test_a_video_gives_all_its_frames_with_their_times(tmp_path, ending, kind):
     assert camera.why_ended.endswith("has ended after 12 frames")
 
 
-def test_a_rate_that_is_given_replaces_the_times_in_the_video(tmp_path):
-    camera = open_camera(str(write_video(tmp_path / "v.avi", frames=4)), rate=10.0)
-    assert [frame.t for frame in all_of(camera)] == pytest.approx([0.0, 0.1, 0.2, 0.3])
+def test_times_in_footage_count_whatever_rate_is_given(tmp_path):
+    video = open_camera(str(write_video(tmp_path / "v.avi", frames=4, rate=20.0)), rate=10.0)
+    assert [frame.t for frame in all_of(video)] == pytest.approx([0.0, 0.05, 0.1, 0.15])
+    folder = write_images(tmp_path / "frames")
+    (folder / "times.csv").write_text("file,t\n000.png,1.5\n001.png,1.75\n", encoding="utf-8")
+    assert [frame.t for frame in all_of(open_camera(str(folder), rate=10.0))] == [1.5, 1.75]
 
 
 def test_images_of_a_folder_come_in_the_order_of_their_names(tmp_path):
@@ -182,6 +186,25 @@ def test_a_corrupt_image_ends_the_footage_and_is_named(tmp_path):
         open_camera(str(tmp_path))
 
 
+def test_an_image_that_announces_more_pixels_than_there_can_be_is_refused(tmp_path):
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        whole = kind + data
+        return len(data).to_bytes(4, "big") + whole + zlib.crc32(whole).to_bytes(4, "big")
+
+    head = (60_000).to_bytes(4, "big") * 2 + bytes([8, 2, 0, 0, 0])
+    data = b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(bytes(999)))
+    (tmp_path / "0.png").write_bytes(data + chunk(b"IEND", b""))
+    with pytest.raises(InputError, match=r"0\.png cannot be read as an image"):
+        open_camera(str(tmp_path))
+
+
+def test_an_image_that_is_deleted_meanwhile_ends_the_footage_and_is_named(tmp_path):
+    camera = open_camera(str(write_images(tmp_path)))
+    (tmp_path / "002.png").unlink()
+    assert len(all_of(camera)) == 2
+    assert camera.why_ended.endswith("002.png cannot be read: No such file or directory")
+
+
 def test_a_change_of_size_ends_the_footage(tmp_path):
     write_images(tmp_path)
     cv2.imwrite(str(tmp_path / "002.png"), np.zeros((10, 20), np.uint8))
@@ -198,6 +221,7 @@ def test_a_change_of_size_ends_the_footage(tmp_path):
         ("file,t\n000.png\n", "line 2: needs a file and a time"),
         ("name,time\n000.png,1.0\n", "line 2: needs a file and a time"),
         ("file,t\n000.png,soon\n", "line 2: needs a file and a time"),
+        ("t,file\n1.0\n", "line 2: needs a file and a time"),
         ("file,t\nnone.png,1.0\n", r"none\.png is not there"),
         ("", "holds no images"),
         ("file,t\n", "holds no images"),
@@ -214,6 +238,12 @@ def test_a_table_of_times_that_is_no_text_is_refused(tmp_path):
     write_images(tmp_path)
     (tmp_path / "times.csv").write_bytes(b"\xff\xfe\x00\x01")
     with pytest.raises(InputError, match="cannot be read as a table"):
+        open_camera(str(tmp_path))
+
+
+def test_a_folder_in_the_place_of_the_table_of_times_is_refused(tmp_path):
+    (write_images(tmp_path) / "times.csv").mkdir()
+    with pytest.raises(InputError, match=r"times\.csv cannot be read as a table: Is a directory"):
         open_camera(str(tmp_path))
 
 
@@ -363,8 +393,8 @@ def test_frames_that_are_lost_or_of_no_size_are_passed_over():
             numbers.append(frame.number)
     assert numbers[-1] == 1
     assert camera.why_ended == "usb:0 gives no frames any more, after 2: unplugged?"
-    assert capture.released
     camera.close()
+    assert capture.released
 
 
 def test_a_camera_that_gives_no_frame_is_refused_and_given_back():
@@ -381,6 +411,24 @@ def test_a_camera_that_changes_its_size_ends():
         pass
     assert camera.why_ended == "usb:0 has changed the size of its frames"
     camera.close()
+
+
+def test_a_driver_that_fails_ends_the_camera_with_its_words(capsys):
+    class Fails(Scripted):
+        def read(self) -> tuple[bool, object]:
+            if not self.answers:
+                raise RuntimeError("the bus went away")
+            return super().read()
+
+        def release(self) -> None:
+            raise RuntimeError("no such device")
+
+    camera = LiveCamera(Fails(GOOD, GOOD), name="usb:0")
+    while camera.read(1.0) is not Missing.ENDED:
+        pass
+    assert camera.why_ended == "usb:0 failed after 2 frames: the bus went away"
+    camera.close()
+    assert capsys.readouterr().err == ""
 
 
 def test_a_live_camera_that_is_late_says_so():

@@ -16,9 +16,9 @@ from parkproof.model.signals import Adversary, Constant, Noise, Sine
 from parkproof.model.truth import Truth
 from parkproof.scalar import sine, spow
 from parkproof.scenario import Robot, RunSettings, Scenario, Start
+from parkproof.simulation.compiler import OPTIONS, register
 from parkproof.simulation.ensemble import simulate_ensemble
 from parkproof.simulation.outcome import Outcome
-from parkproof.simulation.polynomials import OPTIONS, register
 from parkproof.simulation.run import Run, simulate
 
 Make = Callable[..., Scenario]

@@ -308,6 +308,7 @@ def test_the_command_does_not_move_a_robot_that_the_camera_does_not_see(room, ca
         (["--latency", "--source", "0"], "--latency needs --source SOURCE and --robot ADDRESS"),
         (["--latency", "--robot", "udp://127.0.0.1:9"], "--latency needs --source SOURCE"),
         (["--source", "0", "--world", "world.toml"], "exclude each other"),
+        (["--source", "0", "--robot", "udp://127.0.0.1:9"], "--robot is for --latency"),
         (["--source", "nowhere.mp4"], "source = nowhere.mp4: there is no such camera"),
         (["--latency", "--duration", "0"], "duration = 0.0: must be greater than 0"),
         (["--latency", "--angle-deg", "nan"], "angle_deg = nan: must be a finite number"),

@@ -57,8 +57,37 @@ def write_then(error: BaseException, path: Path, *, overwrite: bool = False) -> 
         raise error
 
 
+def record_then(error: BaseException, path: Path) -> None:
+    kept: list[str] = []
+    with output_directory(path, overwrite=True, kept=kept) as work:
+        (work / "run.mcap").write_text("sound")
+        (work / "run.mp4").write_text("half")
+        kept.append("run.mcap")
+        raise error
+
+
 def everything_below(path: Path) -> list[str]:
     return sorted(p.relative_to(path).as_posix() for p in path.rglob("*"))
+
+
+def test_files_that_are_sound_are_left_beside_a_result_that_fails(tmp_path):
+    earlier = tmp_path / "run"
+    make_result(earlier)
+    for error in (OSError(errno.ENOSPC, "No space left on device"), KeyboardInterrupt()):
+        with pytest.raises((InputError, KeyboardInterrupt)) as raised:
+            record_then(error, earlier)
+        assert "-broken-off" in raised.value.__notes__[0]
+    names = sorted(path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*.mcap"))
+    assert names == ["run-broken-off-2/run.mcap", "run-broken-off/run.mcap"]
+    assert not list(tmp_path.rglob("*.mp4"))
+    assert (earlier / "summary.json").read_text() == "old"
+    assert not list(tmp_path.glob(".run*"))
+
+
+def test_a_result_that_fails_before_a_file_is_sound_leaves_nothing(tmp_path):
+    with pytest.raises(ZeroDivisionError), output_directory(tmp_path / "run", kept=["a"]):
+        _ = 1 // 0
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_result_appears_only_when_it_is_complete(tmp_path: Path) -> None:

@@ -506,7 +506,7 @@ def test_every_template_runs_as_its_comment_says(kind: str) -> None:
     assert run.outcome is (Outcome.MISSED if kind == "paper" else Outcome.PARKED)
 
 
-@pytest.mark.parametrize("kind", TEMPLATES)
+@pytest.mark.parametrize("kind", [*TEMPLATES, "campaign"])
 def test_every_key_of_a_template_is_explained(kind: str) -> None:
     lines = template(kind).splitlines()
     assert max(map(len, lines)) <= 100

@@ -416,7 +416,7 @@ def test_tags_of_random_worlds_are_found(detector: object) -> None:
     [
         (CameraSettings, {"drop": 1.0}, r"drop = 1: must be in \[0, 1\)"),
         (CameraSettings, {"noise": -1.0}, "noise = -1"),
-        (CameraSettings, {"rate": 0.0}, "rate = 0.0: must be greater than 0"),
+        (CameraSettings, {"rate": 0.0}, r"rate = 0.0: must be in \[1, 1000\] frames/s"),
         (CameraSettings, {"exposure_time": 0.04}, "exposure_time = 0.04: must be shorter"),
         (CameraSettings, {"exposure_time": 0.03, "latency": 0.01}, "latency = 0.01: must be at"),
         (CameraSettings, {"image_size": (640, 10)}, r"image_size = \[640, 10\]"),
@@ -492,3 +492,12 @@ def test_a_backend_that_is_set_is_respected(backend: str, sentence: str) -> None
     )
     assert run.stdout.startswith(sentence)
     assert run.stdout.count("\n") == 1
+
+
+def test_a_world_that_cannot_be_simulated_is_refused():
+    with pytest.raises(InputError, match="mass and inertia"):
+        World(WorldSettings(robot=RobotSettings(mass=1e-30)))
+    with pytest.raises(InputError, match=r"rate = 1000000000\.0: must be in \[1, 1000\]"):
+        CameraSettings(rate=1e9)
+    with pytest.raises(InputError, match=r"latency = 1000\.0: must be in \[0, 5\] s"):
+        CameraSettings(latency=1000.0)

@@ -8,7 +8,7 @@ import errno
 import os
 import secrets
 import shutil
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -29,7 +29,9 @@ _REMEDIES = {
 
 
 @contextmanager
-def output_directory(path: Path | str, *, overwrite: bool = False) -> Iterator[Path]:
+def output_directory(
+    path: Path | str, *, overwrite: bool = False, kept: Collection[str] = ()
+) -> Iterator[Path]:
     """Make a directory of results that appears only when it is complete.
 
     Everything is written into a hidden directory beside ``path``, which takes its name when the
@@ -43,6 +45,10 @@ def output_directory(path: Path | str, *, overwrite: bool = False) -> Iterator[P
     overwrite : bool
         Whether an earlier result there may be replaced. Anything else never is: a directory with a
         file that Parkproof did not write, the current directory, a file.
+    kept : collection of str
+        Looked at after an exception: these files of the block are sound although the rest is not,
+        and cannot be made again. They are left in a new directory beside ``path`` whose name ends
+        in ``-broken-off``, which a note of the exception names.
 
     Yields
     ------
@@ -77,8 +83,13 @@ def output_directory(path: Path | str, *, overwrite: bool = False) -> Iterator[P
         _write_manifest(work)
         _check_replaceable(target, shown=path, overwrite=overwrite)
         _move_into_place(work, target)
-    except OSError as error:
-        raise _as_input_error(path, error) from error
+    except BaseException as error:
+        raised = _as_input_error(path, error) if isinstance(error, OSError) else error
+        if rest := _saved(work, target, kept):
+            raised.add_note(f"what is sound of it is in {rest}: {', '.join(kept)}")
+        if raised is error:
+            raise
+        raise raised from error
     finally:
         shutil.rmtree(work, ignore_errors=True)
         for parent in made:
@@ -202,6 +213,25 @@ def _check_replaceable(target: Path, *, shown: Path | str, overwrite: bool) -> N
             f"{shown} holds {foreign}, which Parkproof did not write there, and is never replaced; "
             "choose another directory, or move that file away"
         )
+
+
+def _saved(work: Path, target: Path, kept: Collection[str]) -> Path | None:
+    """Move files out of what is thrown away; the directory they are in now, if there are any."""
+    rest = target.with_name(f"{target.name[:100]}-broken-off")
+    number = 1
+    while rest.exists():
+        number += 1
+        rest = rest.with_name(f"{target.name[:100]}-broken-off-{number}")
+    try:
+        there = [work / name for name in kept if (work / name).is_file()]
+        if not there:
+            return None
+        rest.mkdir()
+        for file in there:
+            file.rename(rest / file.name)
+    except OSError:  # such as a disk that is gone: then there is nothing to save
+        return None
+    return rest
 
 
 def _files(directory: Path) -> Iterator[str]:

@@ -105,6 +105,77 @@ def not_negative(name: str, value: float) -> float:
     return float(value)
 
 
+def within(name: str, value: float, low: float, high: float, *, unit: str = "") -> float:
+    """Return the value as a float, or raise if it does not lie in an interval.
+
+    Parameters
+    ----------
+    name : str
+        What the number is called where the user wrote it.
+    value : float
+        The number.
+    low, high : float
+        The interval, ends included.
+    unit : str
+        Of the number, for the message.
+
+    Returns
+    -------
+    float
+        The same number.
+
+    Raises
+    ------
+    InputError
+        If it is not a finite number in the interval.
+
+    Examples
+    --------
+    >>> within("rate", 30, 1.0, 1000.0)
+    30.0
+    """
+    if not low <= finite(name, value) <= high:
+        nearest = low if value < low else high
+        raise InputError(
+            f"{name} = {value}: must be in [{low:g}, {high:g}]{unit and ' '}{unit}; the nearest "
+            f"is {name} = {nearest:g}"
+        )
+    return float(value)
+
+
+def whole_number(name: str, value: int) -> int:
+    """Return a whole number, or raise if it is not one or is negative.
+
+    Parameters
+    ----------
+    name : str
+        What it is called where the user wrote it.
+    value : int
+        The number.
+
+    Returns
+    -------
+    int
+        The number.
+
+    Raises
+    ------
+    InputError
+        If it is no whole number, or below 0.
+
+    Examples
+    --------
+    >>> whole_number("seed", 3)
+    3
+    """
+    if isinstance(value, bool) or not isinstance(value, int) or value < 0:
+        raise InputError(
+            f"{name} = {value!r}: must be a whole number, not negative; "
+            f"write for example {name} = 0"
+        )
+    return value
+
+
 def increasing(name: str, values: Sequence[float]) -> tuple[float, float]:
     """Return a pair (low, high) of finite floats, or raise if it is crossed.
 

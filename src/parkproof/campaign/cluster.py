@@ -4,9 +4,12 @@ A chunk is a pure function of the campaign and its range, so that it does not ma
 carries it out, or how often. Only this process writes.
 """
 
+import logging
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from concurrent.futures import CancelledError
+from contextlib import contextmanager, suppress
+from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
 from parkproof import __version__
@@ -70,6 +73,8 @@ def connected(address: str) -> "Iterator[Client]":
     require("distributed", extra="cluster", purpose="parkproof campaign --scheduler")
     from distributed import Client
 
+    for name in ("distributed", "distributed.client"):  # one sentence says it, not their log
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
         client = Client(address, timeout=CONNECTING, set_as_default=False)
     except (OSError, TimeoutError, ValueError) as error:
@@ -110,8 +115,7 @@ def on_cluster(text: str, chunks: Sequence[Range], client: "Client", address: st
 
     Examples
     --------
-    >>> list(on_cluster("", [], None, ""))
-    []
+    See `parkproof.campaign.run.run_campaign`.
     """
     yield from _Work(client, address, text).results(chunks)
 
@@ -124,6 +128,7 @@ class _Work:
         self._address = address
         self._text = text
         self._running: dict[Any, Range] = {}
+        self._done: SimpleQueue[Future[Any]] = SimpleQueue()
         self._deaths: dict[Range, int] = {}
         self._alone_since: float | None = None
 
@@ -152,28 +157,23 @@ class _Work:
             parquet_of, self._text, *chunk, version=__version__, pure=False, retries=DEATHS
         )
         self._running[future] = chunk
+        future.add_done_callback(self._done.put)
 
-    def _finished(self) -> "set[Future[Any]]":
-        """Chunks that are done, after waiting a little for one."""
-        from distributed import wait
-
-        if not self._running:
-            time.sleep(LOOK)
-            return set()
-        try:
-            with self._client.as_current():
-                done: set[Future[Any]] = wait(
-                    list(self._running), timeout=LOOK, return_when="FIRST_COMPLETED"
-                ).done
-        except TimeoutError:
-            return set()
-        return done
+    def _finished(self) -> "Iterator[Future[Any]]":
+        """Chunks that are done, well or not, after waiting a little for one."""
+        with suppress(Empty):
+            yield self._done.get(timeout=LOOK)
+            while True:
+                yield self._done.get_nowait()
 
     def _threads(self) -> int:
         """Threads of all workers; raises if the scheduler is lost, or has had none for long."""
         if self._client.status != "running":
             raise self._lost()
-        workers = self._client.scheduler_info(n_workers=-1)["workers"]
+        try:
+            workers = self._client.scheduler_info(n_workers=-1)["workers"]
+        except (OSError, TimeoutError) as error:
+            raise self._lost() from error
         if workers:
             self._alone_since = None
             return sum(int(worker["nthreads"]) for worker in workers.values())
@@ -194,8 +194,8 @@ class _Work:
         if future.status == "finished":
             try:
                 return bytes(future.result(timeout=PATIENCE))
-            except (OSError, TimeoutError):
-                return None
+            except (OSError, TimeoutError, CancelledError, KilledWorker):
+                return None  # its worker died with the rows
         if future.status in {"cancelled", "lost"}:
             if self._client.status != "running":
                 raise self._lost()

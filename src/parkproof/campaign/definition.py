@@ -7,7 +7,7 @@ distributions.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 import msgspec
 
@@ -15,6 +15,7 @@ from parkproof.campaign.distributions import Choice, Constant, Distribution
 from parkproof.errors import InputError
 from parkproof.scenario import Scenario
 from parkproof.scenario_file import resolved
+from parkproof.scenario_file.errors import sentence
 from parkproof.scenario_file.keys import Place, parse_place
 from parkproof.scenario_file.overrides import apply_overrides, check_known
 from parkproof.scenario_file.read import converted, named_with
@@ -282,14 +283,12 @@ def _quantity(key: str, table: object, where: str) -> Quantity:
     if place[0] in OWN_KEYS:
         raise InputError(f"{name}: the key is the campaign's own; write one of the scenario")
     check_known(place, Scenario, name)
-    wrapped = converted({"distribution": table}, _Wrapped, name)
-    return Quantity(key=key, place=place, distribution=wrapped.distribution)
-
-
-class _Wrapped(msgspec.Struct):
-    """A distribution where a message can find its place."""
-
-    distribution: Distribution
+    try:
+        distribution = msgspec.convert(table, Distribution)
+    except msgspec.ValidationError as error:
+        said = sentence(error, table, cast(type, Distribution))
+        raise InputError(f"{name}: {said}") from error
+    return Quantity(key=key, place=place, distribution=cast(Distribution, distribution))
 
 
 def _is_number(value: object) -> bool:

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from parkproof import __version__
-from parkproof.campaign.table import TRIALS, Range, file_of, written_ranges
+from parkproof.campaign.table import TRIALS, Range, check_whole, file_of, written_ranges
 from parkproof.errors import InputError
 
 RECORD, PARTS, LOCK = "campaign.json", ".parts", ".lock"
@@ -48,6 +48,8 @@ class CampaignDirectory:
         self.path = path
         self._plain = plain
         self.written = written_ranges(path)
+        for trials in self.written:
+            check_whole(file_of(path, trials), trials[1] - trials[0])
 
     def missing(self) -> list[Range]:
         """Give the ranges of trials that are asked for and not there."""

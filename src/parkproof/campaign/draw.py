@@ -86,9 +86,39 @@ def drawn_values(campaign: Campaign, begin: int, end: int) -> dict[str, NDArray[
     >>> bool(((x >= -2.0) & (x <= -1.0)).all())
     True
     """
+    count = sum(quantity.drawn for quantity in campaign.quantities)
+    return values_at(
+        campaign, unit_numbers(count, begin, end, seed=campaign.seed, draws=campaign.draws)
+    )
+
+
+def values_at(campaign: Campaign, numbers: NDArray[np.float64]) -> dict[str, NDArray[Any]]:
+    """Values of all quantities at points of the unit cube.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        The campaign.
+    numbers : (dimensions, n) array
+        In [0, 1): a row for each quantity that is drawn, in the order of the campaign.
+
+    Returns
+    -------
+    dict of str to array
+        As `drawn_values`.
+
+    Examples
+    --------
+    >>> from parkproof.campaign.definition import campaign_from_dict
+    >>> campaign = campaign_from_dict(
+    ...     {"law": "corrected", "start": {"pose": [-1, 0, 0]}, "trials": 10, "seed": 1,
+    ...      "distributions": {"start.pose[0]": {"kind": "uniform", "low": -2, "high": -1}}},
+    ...     where="example")
+    >>> values_at(campaign, np.array([[0.0, 0.5]]))
+    {'start.pose[0]': array([-2. , -1.5])}
+    """
     drawn = [quantity for quantity in campaign.quantities if quantity.drawn]
-    rows = unit_numbers(len(drawn), begin, end, seed=campaign.seed, draws=campaign.draws)
-    return {q.key: _values(q, numbers) for q, numbers in zip(drawn, rows, strict=True)}
+    return {q.key: _values(q, row) for q, row in zip(drawn, numbers, strict=True)}
 
 
 def _values(quantity: Quantity, numbers: NDArray[np.float64]) -> NDArray[Any]:

@@ -10,6 +10,7 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from parkproof.campaign.definition import Campaign, Quantity, campaign_from_dict
 from parkproof.campaign.distributions import Choice, Constant, Continuous
@@ -107,6 +108,29 @@ class Prepared:
             chosen = self._choices(index)
             self._groups[index] = self._with(settings | chosen, self._at(chosen))
         return self._groups[index]
+
+    def numbers_of(self, drawn: Mapping[str, NDArray[Any]]) -> dict[Place, NDArray[Any]]:
+        """Give what differs side by side as numbers.
+
+        Parameters
+        ----------
+        drawn : mapping of str to array
+            From `parkproof.campaign.draw.drawn_values`.
+
+        Returns
+        -------
+        dict of tuple to array
+            By place.
+
+        Examples
+        --------
+        See `parkproof.campaign.rows.rows_of`.
+        """
+        found: dict[Place, NDArray[Any]] = {}
+        for quantity in self.side_by_side:
+            values, given = values_of(quantity), drawn[quantity.key]
+            found[quantity.place] = np.array(values, dtype=float)[given] if values else given
+        return found
 
     @property
     def groups(self) -> int:

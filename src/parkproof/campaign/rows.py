@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from parkproof import __version__
 from parkproof.campaign.definition import Quantity
 from parkproof.campaign.draw import drawn_values
-from parkproof.campaign.lanes import trials_from
+from parkproof.campaign.ensembles import ensembles
 from parkproof.campaign.prepare import Prepared, prepared_from, values_of
 from parkproof.errors import InputError
 from parkproof.simulation.ensemble import simulate_trials
@@ -53,33 +53,18 @@ def rows_of(
 
     Examples
     --------
-    >>> rows_of(prepared, 0, 4)["outcome"].to_pylist()
-    ['parked', 'parked', 'parked', 'parked']
+    See `parkproof.campaign.run.run_campaign`.
     """
     import pyarrow as pa
 
-    drawn = drawn_values(prepared.campaign, begin, end)
-    values = {
-        q.key: np.array(values_of(q), dtype=float)[drawn[q.key]] if values_of(q) else drawn[q.key]
-        for q in prepared.side_by_side
-    }
-    numbers = np.arange(begin, end)
-    sizes = [len(values_of(quantity)) for quantity in prepared.splitting]
-    chosen = tuple(drawn[quantity.key] for quantity in prepared.splitting)
-    group = np.ravel_multi_index(chosen, sizes) if sizes else np.zeros(end - begin, dtype=int)
+    drawn, numbers = drawn_values(prepared.campaign, begin, end), np.arange(begin, end)
     columns: dict[str, NDArray[Any]] = {}
-    for index in np.unique(group).tolist():
-        members = np.flatnonzero(group == index)
-        scenario = prepared.group(index)
-        for first in range(0, len(members), PIECE):
-            if stopped():
-                raise GivenUpError
-            piece = members[first : first + PIECE]
-            side_by_side = {q.place: values[q.key][piece] for q in prepared.side_by_side}
-            trials = trials_from(scenario, side_by_side, numbers[piece].tolist())
-            for name, found in simulate_trials(scenario, trials).items():
-                kind = object if name == "outcome" else float
-                columns.setdefault(name, np.empty(end - begin, dtype=kind))[piece] = found
+    for members, scenario, trials in ensembles(prepared, drawn, numbers, size=PIECE):
+        if stopped():
+            raise GivenUpError
+        for name, found in simulate_trials(scenario, trials).items():
+            kind = object if name == "outcome" else float
+            columns.setdefault(name, np.empty(end - begin, dtype=kind))[members] = found
     outcome = pa.array([one.value for one in columns.pop("outcome")], pa.string())
     table = {"trial": pa.array(numbers, pa.int64()), "outcome": outcome}
     table |= {name: pa.array(column, pa.float64()) for name, column in columns.items()}

@@ -166,11 +166,49 @@ def read_rows(file: Path, count: int, *, columns: Sequence[str] | None = None) -
 
     try:
         table = parquet.read_table(str(file), columns=columns, partitioning=None)
-    except (OSError, pa.ArrowException):
-        table = None
-    if table is None or table.num_rows != count:
-        raise InputError(f"{file}: is damaged; remove it, and the same campaign writes it anew")
+    except (OSError, pa.ArrowException) as error:
+        raise _damaged(file) from error
+    if table.num_rows != count:
+        raise _damaged(file)
     return table
+
+
+def check_whole(file: Path, count: int) -> None:
+    """Check that a file of rows ends as it should, without reading the rows.
+
+    Parameters
+    ----------
+    file : Path
+        In ``trials/``.
+    count : int
+        How many rows its name promises.
+
+    Raises
+    ------
+    InputError
+        If it is damaged.
+
+    Examples
+    --------
+    >>> _ = (directory / "a.parquet").write_bytes(b"half")
+    >>> check_whole(directory / "a.parquet", 4)
+    Traceback (most recent call last):
+    ...
+    parkproof.errors.InputError: ...a.parquet: is damaged; remove it, and the same campaign ...
+    """
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    try:
+        whole = parquet.read_metadata(str(file)).num_rows == count
+    except (OSError, pa.ArrowException) as error:
+        raise _damaged(file) from error
+    if not whole:
+        raise _damaged(file)
+
+
+def _damaged(file: Path) -> InputError:
+    return InputError(f"{file}: is damaged; remove it, and the same campaign writes it anew")
 
 
 def outcomes_of(path: Path) -> dict[str, int]:

@@ -42,7 +42,7 @@ def camera(
     source : str, optional
         The camera: its number, an address, a video file or a folder of pictures.
     robot : str, optional
-        The robot whose delay is measured: udp://host:port.
+        The robot whose delay is measured: udp://host:port, or a file that describes it.
     world : Path, optional
         A file that describes a simulated laboratory.
     tag_id : int
@@ -83,6 +83,8 @@ def camera(
             "--latency needs --source SOURCE and --robot ADDRESS together; without both, the "
             "simulated laboratory is measured"
         )
+    if robot is not None and not latency:
+        raise InputError("--robot is for --latency, which moves it: write --latency, or no --robot")
     if source is not None and world is not None:
         raise InputError("--source and --world exclude each other: write one of them")
     positive("duration", duration, example=20.0)
@@ -92,16 +94,17 @@ def camera(
         return _simulated(world, as_json, None if not latency else (duration, angle, seed))
     from parkproof.lab.cameras import open_camera
     from parkproof.lab.devices import WallClock
-    from parkproof.lab.robots import open_robot
+    from parkproof.lab.robot_file import robot_named
     from parkproof.lab.watchdog import StoppingRobot
 
     heading = _heading_of(tag_id)
+    known = None if robot is None else robot_named(robot)
     eye = open_camera(source)
     try:
-        if not latency:
+        if known is None:
             return _tell(_look(eye, WallClock(), heading), as_json)
         clock = WallClock()
-        with StoppingRobot(open_robot(str(robot)), clock=clock) as safe:
+        with StoppingRobot(known.open(), clock=clock) as safe:
             return _measure(safe, eye, clock, heading, (duration, angle, seed), as_json)
     finally:
         eye.close()
@@ -114,7 +117,7 @@ def _simulated(file: Path | None, as_json: bool, turning: tuple[float, float, in
     require("mujoco", extra="lab", purpose="the simulated laboratory")
     from parkproof.errors import InputError
     from parkproof.lab.world import World
-    from parkproof.lab.world.accelerated import WorldAcceleratedRobot
+    from parkproof.lab.world.devices import WorldAcceleratedRobot
     from parkproof.lab.world.settings import example_world, read_world
 
     settings = example_world() if file is None else read_world(file)

@@ -15,13 +15,15 @@ def campaign(
     threads: int | None = None,
     scheduler: str | None = None,
     settings: Annotated[list[str] | None, Parameter(name="--set")] = None,
+    certificate: Path | None = None,
+    no_report: bool = False,
     quiet: bool = False,
 ) -> int:
     """Carry out many trials, drawn from distributions, and keep a row of each.
 
-    Writes the row of every trial to trials/*.parquet of the directory as it goes. Stopped or
-    killed at any moment, the same command goes on where it was. The rows do not depend on the
-    number of threads or workers, or on interruptions.
+    Writes the row of every trial to trials/*.parquet of the directory as it goes, and in the end
+    report.html. Stopped or killed at any moment, the same command goes on where it was. The rows
+    do not depend on the number of threads or workers, or on interruptions.
 
     Parameters
     ----------
@@ -38,6 +40,10 @@ def campaign(
         the work instead.
     settings : list of str, optional
         Override a key of the file, as in run.duration=10 or seed=7; may be repeated.
+    certificate : Path, optional
+        A certificate with which the report compares the trials.
+    no_report : bool
+        Write no report.
     quiet : bool
         Show neither progress nor the table.
 
@@ -55,27 +61,32 @@ def campaign(
 
     Examples
     --------
-    >>> campaign(Path("campaign.toml"), settings=["run.control_period=0.01"], trials=64)
-    Trials    64 of 64
+    >>> campaign(Path("campaign.toml"), trials=0)
+    Traceback (most recent call last):
     ...
-    0
+    parkproof.errors.InputError: campaign.toml with --set trials=0: trials = 0: a campaign needs ...
     """
     from parkproof.campaign.definition import read_campaign
     from parkproof.campaign.run import run_campaign
-    from parkproof.cli.console import counted
-    from parkproof.errors import StoppedError
+    from parkproof.cli.console import counted, progress
+    from parkproof.errors import InputError, StoppedError
     from parkproof.extras import require
     from parkproof.scenario_file.read import named_with
 
     given = [*(settings or ()), *([f"trials={trials}"] if trials is not None else [])]
     asked = read_campaign(file, overrides=given)
     _check_threads(threads, scheduler)
+    if certificate is not None and not certificate.is_file():
+        raise InputError(
+            f"{certificate}: no such file; name a certificate.json that parkproof certify or "
+            "parkproof design wrote"
+        )
     require("scipy", extra="campaign", purpose="parkproof campaign")
     directory = Path("campaigns") / file.stem if out is None else out
     reached = "no trial has been done yet"
     with counted("trials", quiet=quiet) as count:
 
-        def progress(done: int, of: int) -> None:
+        def tell(done: int, of: int) -> None:
             nonlocal reached
             reached = f"the rows of {done:,} of {of:,} trials are in {directory}"
             count(done, of)
@@ -87,10 +98,20 @@ def campaign(
                 where=named_with(file, given),
                 threads=threads or processors(),
                 scheduler=scheduler,
-                progress=progress,
+                progress=tell,
             )
         except KeyboardInterrupt as error:
             raise StoppedError(f"{reached}; the same command goes on from there") from error
+    if not no_report:
+        from parkproof.report.campaign import write_report
+
+        with progress(quiet=quiet) as report:
+            write_report(
+                directory,
+                certificate=certificate,
+                threads=threads or processors(),
+                progress=report,
+            )
     if not quiet:
         _print(directory, asked.trials)
     return 0
@@ -152,4 +173,5 @@ def _print(directory: Path, trials: int) -> None:
     console = stdout_console()
     console.print(facts_table(facts))
     console.print()
-    print_files(console, directory, ["campaign.json", "trials/*.parquet"])
+    names = ["campaign.json", "report.html", "trials/*.parquet"]
+    print_files(console, directory, [name for name in names if any(directory.glob(name))])

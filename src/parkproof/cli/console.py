@@ -143,7 +143,7 @@ def counted(unit: str, *, quiet: bool = False) -> Iterator[Count]:
 
     console = Console(stderr=True, markup=False, highlight=False)
     with Progress(
-        TextColumn("{task.completed:,.0f} of {task.total:,.0f} " + unit, markup=False),
+        TextColumn("{task.description}", markup=False),
         BarColumn(bar_width=None),
         TextColumn("{task.fields[rate]}", markup=False),
         TimeRemainingColumn(),
@@ -153,16 +153,17 @@ def counted(unit: str, *, quiet: bool = False) -> Iterator[Count]:
         disable=quiet or not console.is_terminal,
         expand=True,
     ) as bar:
-        task = bar.add_task("", total=None, start=False, rate="starting")
+        task = bar.add_task("starting", total=None, start=False, rate="")
 
         def count(done: int, of: int) -> None:
+            said = f"{done:,} of {of:,} {unit}"
             if not bar.tasks[task].started:
+                bar.update(task, description=said, total=of, completed=done)
                 bar.start_task(task)
-                bar.update(task, total=of, completed=done)
                 return
-            bar.update(task, completed=done)
+            bar.update(task, description=said, completed=done)
             speed = bar.tasks[task].speed
-            bar.update(task, rate=f"{speed:,.0f} {unit}/s" if speed else "starting")
+            bar.update(task, rate=f"{speed:,.0f} {unit}/s" if speed else "")
 
         yield count
 

@@ -63,14 +63,14 @@ def _stopped(number: int, error: BaseException) -> int:
     who = "Ctrl-C" if number == signal.SIGINT else signal.Signals(number).name
     told = str(error) if isinstance(error, StoppedError) else ""
     left = told or "no half-written result is left; run the command again"
-    _tell(f"stopped by {who}; {left}")
+    _tell(f"stopped by {who}; {left}", error)
     return 128 + number
 
 
 def _bad_input(error: BaseException) -> int:
     """Say what a user can mend; anything else is an error in this program and goes on as it is."""
     if isinstance(error, InputError):
-        _tell(str(error))
+        _tell(str(error), error)
     elif isinstance(error, MemoryError):
         _tell("out of memory; write a longer control_period or a shorter duration in [run]")
     elif isinstance(error, OSError):
@@ -151,8 +151,9 @@ def usage_error(error: "CycloptsError") -> InputError:
     )
 
 
-def _tell(message: str) -> None:
-    """Write one line to standard error, whatever the message holds."""
+def _tell(message: str, error: BaseException | None = None) -> None:
+    """Write one line to standard error, whatever the message and the error's notes hold."""
+    message = "; ".join((message, *getattr(error, "__notes__", ())))
     line = "".join(c if c.isprintable() else repr(c)[1:-1] for c in " ".join(message.split()))
     with contextlib.suppress(OSError):  # nowhere to write it; the status still says it
         print(f"parkproof: {line}", file=sys.stderr, flush=True)

@@ -50,6 +50,12 @@ def init(
     from parkproof.cli.files import write_file
 
     write_file(out, text, overwrite=overwrite)
-    command = {"design": "design", "campaign": "campaign", "world": "lab --world"}.get(kind, "park")
+    commands = {
+        "design": "design",
+        "campaign": "campaign",
+        "world": "lab --world",
+        "robot": "camera --latency --robot",
+    }
+    command = commands.get(kind, "park")
     stdout_console().print(f"Wrote {out}; run it with: parkproof {command} {out}", soft_wrap=True)
     return 0

@@ -19,7 +19,8 @@ def replay(
     for "parkproof park". The exit status is 0 if it ends as in the campaign, and 1 if not.
 
     Of a recording: estimator, law and safety are run on the recorded pictures and times. The exit
-    status is 0 if every command is the same as the one that was sent, and 1 if one differs.
+    status is 0 if every command is the same as the one that was sent, and 1 if one differs or
+    cannot be compared.
 
     Parameters
     ----------

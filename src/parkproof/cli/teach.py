@@ -132,9 +132,10 @@ def _from_camera(camera: "Camera", detector: "TagDetector", mount: "TagMount") -
         for _ in range(TRIES):
             frame = camera.read(WAIT)
             if isinstance(frame, Missing):
+                told = getattr(camera, "why_ended", "") if frame is Missing.ENDED else ""
                 why = why or InputError(
-                    f"{frame.sentence} before it showed the robot; check the camera's number or "
-                    "address"
+                    f"{told or frame.sentence} before it showed the robot; check the camera's "
+                    "number or address"
                 )
                 break
             try:

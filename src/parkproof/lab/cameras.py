@@ -39,8 +39,8 @@ def open_camera(
         Else a video file, or a folder of images in the order of their names, whose times stand in
         times.csv (columns file and t).
     rate : float, optional
-        Frames per second: what a USB camera is asked for; of a folder without times.csv (default
-        30); in place of the times that a video or a folder has. A network camera ignores it.
+        Frames per second: what a USB camera is asked for, and those of footage that does not say
+        when its frames were taken (default 30). A network camera ignores it.
     paced : bool
         Give frames of a video or a folder at the times at which they were taken, as a live camera
         would. Else one after the other, as fast as they are read, with the times in the footage.

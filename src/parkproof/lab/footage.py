@@ -1,5 +1,6 @@
 """Recorded frames as a camera: a video file, or a folder of images."""
 
+import contextlib
 import csv
 import time
 from collections.abc import Iterator
@@ -132,7 +133,7 @@ def video(path: Path, *, rate: float | None = None, paced: bool = False) -> Foot
     path : Path
         The file, of any kind that OpenCV reads.
     rate : float, optional
-        Frames per second, in place of the times in the file.
+        Frames per second of a file that does not say when its frames were taken; default 30.
     paced : bool
         As in `Footage`.
 
@@ -157,20 +158,20 @@ def video(path: Path, *, rate: float | None = None, paced: bool = False) -> Foot
     require("cv2", extra="lab", purpose="reading videos")
     import cv2
 
-    spacing = None if rate is None else 1.0 / positive("rate", rate, example=RATE)
+    usual = RATE if rate is None else positive("rate", rate, example=RATE)
     capture = cv2.VideoCapture(str(path))
     if not capture.isOpened():
         raise InputError(f"{path} cannot be read as a video; is it whole? Choose another file")
-    return Footage(_video_frames(capture, path, spacing), name=str(path), paced=paced)
+    return Footage(_video_frames(capture, path, usual), name=str(path), paced=paced)
 
 
-def _video_frames(capture: Any, path: Path, spacing: float | None) -> Iterator[tuple[float, Image]]:
+def _video_frames(capture: Any, path: Path, usual: float) -> Iterator[tuple[float, Image]]:
     """All frames of an open video."""
     import cv2
 
     announced = int(capture.get(cv2.CAP_PROP_FRAME_COUNT))
     rate = capture.get(cv2.CAP_PROP_FPS)
-    usual = spacing or 1.0 / (rate if 0.1 <= rate <= 1000.0 else RATE)
+    spacing = 1.0 / (rate if 0.1 <= rate <= 1000.0 else usual)
     number, t = 0, 0.0
     try:
         while True:
@@ -180,7 +181,7 @@ def _video_frames(capture: Any, path: Path, spacing: float | None) -> Iterator[t
             if number > 0:
                 stamp = 1e-3 * capture.get(cv2.CAP_PROP_POS_MSEC)
                 # Some files have no times of their own, or the same one twice.
-                t = stamp if spacing is None and stamp > t else t + usual
+                t = stamp if stamp > t else t + spacing
             yield t, colours(np.asarray(image, np.uint8))
             number += 1
     finally:
@@ -249,7 +250,7 @@ def folder(path: Path, *, rate: float | None = None, paced: bool = False) -> Foo
     require("cv2", extra="lab", purpose="reading images")
     spacing = 1.0 / (RATE if rate is None else positive("rate", rate, example=RATE))
     times = path / "times.csv"
-    if times.exists() and rate is None:
+    if times.exists():
         frames = _times(times)
     else:
         files = sorted(file for file in path.iterdir() if file.suffix.lower() in IMAGES)
@@ -269,8 +270,13 @@ def _images(frames: list[tuple[float, Path]]) -> Iterator[tuple[float, Image]]:
 
     for t, file in frames:
         # imdecode, since imread does not read names outside the system's code page everywhere
-        data = np.frombuffer(file.read_bytes(), np.uint8)
-        image: Any = cv2.imdecode(data, cv2.IMREAD_ANYCOLOR) if data.size else None
+        try:
+            data = np.frombuffer(file.read_bytes(), np.uint8)
+        except OSError as error:  # removed, or its disk gone, since the footage was opened
+            raise FootageError(f"{file} cannot be read: {error.strerror or error}") from error
+        image: Any = None
+        with contextlib.suppress(cv2.error):  # such as a header that announces too many pixels
+            image = cv2.imdecode(data, cv2.IMREAD_ANYCOLOR) if data.size else None
         if image is None or image.size == 0:
             raise FootageError(f"{file} cannot be read as an image")
         yield t, colours(np.asarray(image, np.uint8))
@@ -282,15 +288,16 @@ def _times(path: Path) -> list[tuple[float, Path]]:
     try:
         with path.open(encoding="utf-8-sig", newline="") as text:
             rows = list(csv.DictReader(text))
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path} cannot be read as a table: {error}; {example}") from error
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        why = error.strerror if isinstance(error, OSError) else error
+        raise InputError(f"{path} cannot be read as a table: {why}; {example}") from error
     frames: list[tuple[float, Path]] = []
     for line, row in enumerate(rows, start=2):
         try:
-            t, file = float(row["t"]), row["file"]
+            t, file = float(row["t"]), path.parent / row["file"]
         except (KeyError, TypeError, ValueError) as error:
             raise InputError(f"{path}, line {line}: needs a file and a time; {example}") from error
         if not np.isfinite(t) or (frames and t <= frames[-1][0]):
             raise InputError(f"{path}, line {line}: t = {t}: times must increase; sort the lines")
-        frames.append((t, path.parent / file))
+        frames.append((t, file))
     return frames

@@ -2,8 +2,10 @@
 
 import contextlib
 from collections.abc import Callable
-from dataclasses import dataclass
 from urllib.parse import urlsplit
+
+import msgspec
+from msgspec.structs import force_setattr
 
 from parkproof.errors import InputError
 from parkproof.lab.devices import Robot, RobotLimits, RobotSilentError
@@ -15,8 +17,7 @@ GENTLE = RobotLimits(speed=0.3, turn_rate=1.5, acceleration=1.0, turn_accelerati
 """Limits that small laboratory robots keep."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class WheelBase:
+class WheelBase(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Where the driven wheels are.
 
     Parameters
@@ -42,7 +43,7 @@ class WheelBase:
 
     def __post_init__(self) -> None:
         for name in ("wheel_radius", "half_track"):
-            object.__setattr__(self, name, positive(name, getattr(self, name), example=0.05))
+            force_setattr(self, name, positive(name, getattr(self, name), example=0.05))
 
 
 def open_robot(
@@ -113,8 +114,8 @@ def _host_and_port(address: str) -> tuple[str, int]:
         scheme, host, port = "", None, None
     if scheme != "udp" or not host or not port:
         raise InputError(
-            f"robot = {address}: must be udp://host:port with a port from 1 to 65535; write for "
-            "example udp://192.168.1.20:5005"
+            f"robot = {address}: must be udp://host:port with a port from 1 to 65535, or a file "
+            "robot.toml; write for example udp://192.168.1.20:5005"
         )
     return host, port
 

@@ -11,10 +11,17 @@ from parkproof.errors import InputError
 from parkproof.laws.gains import Gains
 from parkproof.scenario_file.overrides import apply_overrides
 from parkproof.scenario_file.read import converted
-from parkproof.validate import not_negative, positive
+from parkproof.validate import not_negative, positive, within
 
 CommandedBy = Literal["velocity", "torque"]
 """What a robot takes: speeds that its motors follow, or accelerations."""
+
+
+RATES = 1.0, 1000.0
+"""Frames per s that a camera can give."""
+
+LONGEST = 5.0
+"""Longest delay in s: with a longer one the robot would be driven blind."""
 
 
 class LabSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -43,6 +50,8 @@ class LabSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         capture.
     position_px, heading_deg : float
         Within these of the goal, in px and degrees, the robot has arrived and rests.
+    wait : float
+        How long in s the camera is watched for the robot's tag to be seen for the first time.
     duration : float
         Longest time in s.
     hold : float
@@ -68,18 +77,22 @@ class LabSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     stamp_delay: float = 0.0
     position_px: float = 0.5
     heading_deg: float = 0.4
+    wait: float = 10.0
     duration: float = 90.0
     hold: float = 10.0
 
     def __post_init__(self) -> None:
         for name, example in (
-            ("rate", 30.0),
             ("position_px", 0.5),
             ("heading_deg", 0.4),
+            ("wait", 10.0),
             ("duration", 90.0),
         ):
             force_setattr(self, name, positive(name, getattr(self, name), example=example))
-        for name in ("motor_error", "delay", "stamp_delay", "hold"):
+        force_setattr(self, "rate", within("rate", self.rate, *RATES, unit="frames/s"))
+        for name in ("delay", "stamp_delay"):
+            force_setattr(self, name, within(name, getattr(self, name), 0.0, LONGEST, unit="s"))
+        for name in ("motor_error", "hold"):
             force_setattr(self, name, not_negative(name, getattr(self, name)))
         force_setattr(
             self, "disturbance", tuple(not_negative("disturbance", x) for x in self.disturbance)

@@ -22,6 +22,9 @@ from parkproof.model.unicycle import wrap_angle
 STEP = 1e-4
 """Half the length in m of the stroke by which a heading in the picture is measured."""
 
+STROKE = 0.01
+"""The same in px for a heading on the floor."""
+
 
 @dataclass(frozen=True)
 class Judged:
@@ -82,6 +85,7 @@ def run_simulated(
     safety: SafetyLimits | None = None,
     recorder: Recorder | None = None,
     watch: Watch = lambda *_: None,
+    wanted: FloorPose | None = None,
 ) -> Judged:
     """Park in a simulated laboratory.
 
@@ -93,6 +97,8 @@ def run_simulated(
         As the camera showed it.
     settings, safety, recorder, watch
         See `parkproof.lab.loop.run_lab`.
+    wanted : three floats, optional
+        Where on the floor it shall park, by which it is judged; default the world's goal.
 
     Returns
     -------
@@ -114,7 +120,7 @@ def run_simulated(
     seen = world.history[first:]
     unseen = sum(not truth.in_view for truth in seen)
     run.frames = msgspec.structs.replace(run.frames, out_of_view=unseen)
-    wanted, found = world.settings.goal, world.truth().pose
+    found, wanted = world.truth().pose, wanted or world.settings.goal
     held = [truth.pose for truth in seen if truth.t >= (run.parked_at or math.inf)]
     errors = [image_error(world, pose, wanted) for pose in [*held, found]]
     return Judged(
@@ -130,6 +136,27 @@ def run_simulated(
         ),
         floor_width=world.view.width_across(),
     )
+
+
+def floor_pose(world: World, goal: Goal) -> FloorPose:
+    """Where on the floor a robot is whose image is a goal's.
+
+    Parameters
+    ----------
+    world : World
+        With its camera and lens.
+    goal : Goal
+        As a picture of this camera showed it.
+
+    Returns
+    -------
+    three floats
+        x and y of the middle of the axle in m, and θ in rad.
+    """
+    x, y = world.view.to_floor(goal.u, goal.v)
+    du, dv = STROKE * math.cos(goal.psi), STROKE * math.sin(goal.psi)
+    (p, q), (r, s) = (world.view.to_floor(goal.u + k * du, goal.v + k * dv) for k in (-1.0, 1.0))
+    return x, y, math.atan2(s - q, r - p)
 
 
 def image_error(world: World, pose: FloorPose, goal: FloorPose) -> Error:

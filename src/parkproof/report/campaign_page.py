@@ -30,12 +30,13 @@ $style
 .source { font-size: 0.85rem; color: #57606a; }
 .rate { font-size: 1.5rem; font-weight: 600; }
 .wide { overflow-x: auto; }
-.grid { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 380px), 1fr));
+.grid { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 380px), 1fr));
   gap: 0.8rem; }
 .single { max-width: 760px; }
 code { font-family: ui-monospace, "DejaVu Sans Mono", monospace; font-size: 0.88em;
   overflow-wrap: anywhere; }
-@media (max-width: 600px) { body { padding: 0.8rem; } th, td { padding: 0.35rem 0.4rem; } }
+@media (max-width: 600px) { body { padding: 0.8rem; } th, td { padding: 0.35rem 0.4rem; }
+  td:first-child { min-width: 8em; } }
 </style>
 </head>
 <body>
@@ -213,7 +214,7 @@ def percentages(found: Success) -> tuple[str, str, str]:
     Examples
     --------
     >>> percentages(Success(parked=999, trials=1000, low=0.99444, high=0.99997, confidence=0.95))
-    ('99.90', '99.44', '100.00')
+    ('99.90', '99.44', '100')
     """
     width = 100.0 * (found.high - found.low)
     digits = min(max(1, 1 - math.floor(math.log10(width))), 8) if width > 0.0 else 8
@@ -221,7 +222,11 @@ def percentages(found: Success) -> tuple[str, str, str]:
     share = 100.0 * found.parked / found.trials if found.trials else math.nan
     low = math.floor(100.0 * found.low * unit) / unit
     high = math.ceil(100.0 * found.high * unit) / unit
-    return f"{share:.{digits}f}", f"{low:.{digits}f}", f"{high:.{digits}f}"
+    one, two, three = (
+        f"{value:g}" if value in {0.0, 100.0} else f"{value:.{digits}f}"
+        for value in (share, low, high)
+    )
+    return one, two, three
 
 
 def outcomes_section(heading: Heading, found: Success, counts: Mapping[Outcome, int]) -> str:
@@ -352,10 +357,11 @@ def proof_section(
         HTML.
     """
     count = int(found.covered.sum())
+    lines = "<br>".join(map(escape, statement))
     parts = [
         "<h2>Beside the proof</h2>",
         f"<p>{_code(name)}, proved again for this page:</p>",
-        *(f"<p>{escape(line)}</p>" for line in statement),
+        f"<details><summary>The theorem</summary><p>{lines}</p></details>",
         f"<p>It speaks of {count:,} of {heading.trials:,} trials."
         + (" Not counted are:</p>" if found.outside else "</p>"),
     ]
@@ -430,14 +436,16 @@ def sensitivity_section(heading: Heading, found: Sequence[Decider], *, trials: i
     str
         HTML.
     """
-    parts = []
-    for one in found:
-        shown = (
-            f"<p>{escape(one.answer)}</p>"
-            if one.drawing is None
-            else picture(one.drawing, one.answer, kind="svg")
-        )
-        parts.append(f"<div><h3>{escape(one.question)}</h3>{shown}</div>")
+    said = [
+        f"<h3>{escape(one.question)}</h3><p>{escape(one.answer)}</p>"
+        for one in found
+        if one.drawing is None
+    ]
+    drawn = [
+        f"<div><h3>{escape(one.question)}</h3>{picture(one.drawing, one.answer, kind='svg')}</div>"
+        for one in found
+        if one.drawing is not None
+    ]
     explained = (
         "<p>Sobol' indices: the share of an output's variance that a drawn quantity accounts for "
         "alone (first order), and together with all others (total). Lines: 95 % intervals, from "
@@ -451,7 +459,7 @@ def sensitivity_section(heading: Heading, found: Sequence[Decider], *, trials: i
     )
     return (
         "<h2>Which uncertainty matters most</h2>"
-        f'{explained}<div class="grid">{"".join(parts)}</div>{source}'
+        f'{explained}{"".join(said)}<div class="grid">{"".join(drawn)}</div>{source}'
     )
 
 
@@ -467,14 +475,11 @@ class Rerun:
         Its path, PNG.
     outcome : Outcome
         How the new run ended.
-    total : float
-        Its time until parked in s, NaN where there is none.
     """
 
     trial: WorstTrial
     drawing: bytes
     outcome: Outcome
-    total: float
 
 
 def worst_section(heading: Heading, found: Sequence[Rerun]) -> str:
@@ -494,6 +499,7 @@ def worst_section(heading: Heading, found: Sequence[Rerun]) -> str:
     """
     if not found:
         return ""
+    title = "The worst trial" if len(found) == 1 else f"The {len(found)} worst trials"
     images = []
     for one in found:
         trial = one.trial
@@ -512,7 +518,7 @@ def worst_section(heading: Heading, found: Sequence[Rerun]) -> str:
             )
         images.append(picture(one.drawing, text, note=note))
     return (
-        f"<h2>The {len(found)} worst trials</h2>"
+        f"<h2>{title}</h2>"
         "<p>Those that did not park first, then the slowest, then those with the largest residual; "
         "the first of equals. Each was carried out again to be drawn.</p>"
         f'<div class="grid">{"".join(images)}</div>' + _source(heading, heading.trials)

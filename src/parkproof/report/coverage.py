@@ -40,11 +40,15 @@ def other_than_certified(certificate: dict[str, Any], scenario: Scenario) -> lis
     reasons = [f"another law, other gains or other switching ({', '.join(names)})"] if names else []
     if scenario.gains.return_steering:
         reasons.append("gains.return_steering = true")
+    if (scenario.switching.to_step2, scenario.switching.to_step3) != ("settled", "settled"):
+        reasons.append("steps that end at a given time")
     known, proved = scenario.bounds, bounds_of(certificate)
-    for name in ("alpha", "gamma", "disturbance"):
-        if getattr(known, name) != getattr(proved, name):
-            allowed = json_text(given[name])
-            reasons.append(f"the controller was told other bounds.{name} than {allowed}")
+    lowest = [[bounds.gamma_of(i)[0] for i in range(2)] for bounds in (known, proved)]
+    if lowest[0] != lowest[1]:
+        reasons.append(f"the controller was told other lowest γ than {json_text(lowest[1])}")
+    if known.disturbance != proved.disturbance:
+        allowed = json_text(given["disturbance"])
+        reasons.append(f"the controller was told other bounds of φ than {allowed}")
     if scenario.robot.kind != "chained":
         reasons.append(f'robot.kind = "{scenario.robot.kind}"')
     if scenario.camera is not None:

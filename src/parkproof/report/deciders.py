@@ -99,8 +99,12 @@ def _answer(found: Sensitivity, output: int, question: str) -> Decider:
     if output == 0:
         parked = int(values.sum())
         if min(parked, count - parked) < RARE * count:
-            few = f"{parked:,} of {count:,} independent trials parked"
-            return Decider(question, f"{few}: too few of the other kind to say what decides it.")
+            few = "parked" if parked < count - parked else "did not park"
+            return Decider(
+                question,
+                f"{parked:,} of {count:,} independent trials parked: too few {few} to say what "
+                "decides it.",
+            )
     if not np.ptp(values) > 0.0:
         return Decider(question, f"The same in all of {count:,} independent trials.")
     first = ranked(found, output)[0]

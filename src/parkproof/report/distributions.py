@@ -188,8 +188,9 @@ def histogram(
     with drawing():
         figure = new_figure(5.8 if wide else 4.8, 3.3 if wide else 2.9)
         width, height = figure.get_size_inches()
+        above = 0.34 if bound is not None or apart is not None else 0.14
         axes = figure.add_axes(
-            (0.62 / width, 0.52 / height, 1.0 - 0.78 / width, 1.0 - 0.86 / height)
+            (0.7 / width, 0.52 / height, 1.0 - 0.86 / width, 1.0 - (0.52 + above) / height)
         )
         axes.set_xlabel(metric.label)
         if known.any():
@@ -224,6 +225,7 @@ def _bars(axes: "Axes", values: Floats, apart: Flags | None) -> None:
         axes.xaxis.set_major_formatter(FuncFormatter(_tick))
     if len(values) >= MANY:
         axes.set_yscale("log")
+        axes.yaxis.set_major_formatter(FuncFormatter(_tick))
         axes.set_ylim(0.7, 1.6 * float(below.max()))
         axes.set_ylabel("Trials a bin (logarithmic)")
     else:

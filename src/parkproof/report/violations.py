@@ -97,7 +97,7 @@ def against_proof(
         broken |= covered & (sizes > one.bound)
         worst.append(float(np.fmax.reduce(sizes[covered], initial=-math.inf)))
     rows = np.flatnonzero(broken)
-    order = rows[np.argsort(table.trials[rows], kind="stable")][:NAMED]
+    few = rows[:NAMED]
     return AgainstProof(
         compared=tuple(
             Compared(one.name, one.bound, most) for one, most in zip(numbers, worst, strict=True)
@@ -107,7 +107,7 @@ def against_proof(
         covered=covered,
         outside={reason: int(flags.sum()) for reason, flags in outside.items() if flags.any()},
         violating=len(rows),
-        named=_named(certificate, table, order, long_enough[order]),
+        named=_named(certificate, table, few, long_enough[few]),
     )
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from parkproof.report.path_picture import draw_path
+from parkproof.report.path_picture import draw_path, window_of
 from parkproof.report.style import DrawnRun, bytes_of, drawing, new_figure
 from parkproof.report.trial_table import OUTCOMES, PARKED, TrialTable
 from parkproof.simulation.outcome import Outcome
@@ -52,7 +52,9 @@ def worst_of(table: TrialTable, *, count: int = COUNT) -> list[WorstTrial]:
     # a trial without a residual ended early, and one without a time did not park
     residual = np.nan_to_num(table.column("residual"), nan=np.inf)
     slowness = np.nan_to_num(total, nan=np.inf)
-    order = np.lexsort((trials, -residual, -slowness, codes == PARKED))[:count]
+    order = np.lexsort((-residual, -slowness, codes == PARKED))[
+        :count
+    ]  # stable: of equals the first
     ended = table.column("ended")
     return [
         WorstTrial(
@@ -86,5 +88,15 @@ def path_panel(run: DrawnRun) -> bytes:
     """
     with drawing():
         figure = new_figure(5.6, 4.2)
-        draw_path(figure.add_axes((0.145, 0.115, 0.84, 0.805)), run)
+        axes = figure.add_axes((0.145, 0.115, 0.84, 0.805))
+        draw_path(axes, run)
+        if window_of(run)[1]:  # all of the path is inside: leave room for arcs of turns, too
+            axes.set_xlim(_wider(axes.get_xlim()))
+            axes.set_ylim(_wider(axes.get_ylim()))
     return bytes_of(figure, "png", dpi=110.0)
+
+
+def _wider(ends: tuple[float, float]) -> tuple[float, float]:
+    """A range a little wider about its middle."""
+    middle, half = 0.5 * (ends[0] + ends[1]), 0.56 * (ends[1] - ends[0])
+    return middle - half, middle + half

@@ -146,3 +146,103 @@ def turning_step(
         v + w * (start1 + 4.0 * middle1 + end1),
         omega + w * (start2 + 4.0 * middle2 + end2),
     )
+
+
+@scalar
+def chained_euler_step(
+    x0: float,
+    x1: float,
+    x2: float,
+    u0: float,
+    u1: float,
+    start: Scales,
+    middle: Scales,
+    end: Scales,
+    start1: float,
+    middle1: float,
+    end1: float,
+    start2: float,
+    middle2: float,
+    end2: float,
+    h: float,
+) -> FiveFloats:
+    """One explicit Euler step of (6), with the arguments of `chained_step`.
+
+    Simulations elsewhere mostly take such steps; this one is for comparisons with them.
+
+    Parameters
+    ----------
+    x0, x1, x2, u0, u1 : float
+        State.
+    start, middle, end : three floats each
+        α1, α2 and b2; only those at the step's start are used.
+    start1, middle1, end1, start2, middle2, end2 : float
+        u̇0 and u̇1; only those at the step's start are used.
+    h : float
+        Step in s.
+
+    Returns
+    -------
+    tuple of 5 floats
+        State at the step's end.
+
+    Examples
+    --------
+    >>> chained_euler_step(0.0, 0.0, 0.5, 1.0, 0.0, *[(1.0, 1.0, 1.0)] * 3, *[2.0] * 6, 0.1)
+    (0.1, 0.05, 0.5, 1.2, 0.2)
+    """
+    a0, a1, a2 = start
+    p0, p1, p2 = chained_rates(x2, u0, u1, a0, a1, a2)
+    return x0 + h * p0, x1 + h * p1, x2 + h * p2, u0 + h * start1, u1 + h * start2
+
+
+@scalar
+def turning_euler_step(
+    x: float,
+    y: float,
+    theta: float,
+    v: float,
+    omega: float,
+    start: Scales,
+    middle: Scales,
+    end: Scales,
+    start1: float,
+    middle1: float,
+    end1: float,
+    start2: float,
+    middle2: float,
+    end2: float,
+    h: float,
+) -> FiveFloats:
+    """One explicit Euler step outside the chart, with the arguments of `turning_step`.
+
+    Parameters
+    ----------
+    x, y, theta, v, omega : float
+        State.
+    start, middle, end : three floats each
+        α1, α2 and b2; only those at the step's start are used.
+    start1, middle1, end1, start2, middle2, end2 : float
+        v̇ and ω̇; only those at the step's start are used.
+    h : float
+        Step in s.
+
+    Returns
+    -------
+    tuple of 5 floats
+        State at the step's end.
+
+    Examples
+    --------
+    >>> turning_euler_step(0.0, 0.0, 0.0, 1.0, 0.5, *[(1.0, 1.0, 1.0)] * 3, *[2.0] * 6, 0.1)
+    (0.1, 0.0, 0.05, 1.2, 0.7)
+    """
+    a0, a1, a2 = start
+    along, across = a0 * v * cosine(theta), a1 * v * sine(theta)
+    return (
+        x + h * along,
+        y + h * across,
+        theta + h * (a2 * omega),
+        v + h * start1,
+        omega + h * start2,
+    )

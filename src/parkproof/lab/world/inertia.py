@@ -1,6 +1,6 @@
 """Masses of the robot, and what its maker knows of its inertia."""
 
-from parkproof.lab.world.settings import RobotSettings
+from parkproof.lab.world.robot_settings import RobotSettings
 from parkproof.model.drive import DifferentialDrive
 
 WHEEL_MASS, CASTOR_MASS = 0.05, 0.01

@@ -3,12 +3,51 @@
 import math
 from typing import NamedTuple
 
+import msgspec
 import numpy as np
+from msgspec.structs import force_setattr
 
-from parkproof.lab.world.settings import PushSettings
+from parkproof.validate import not_negative, positive
 
 _STREAM = 2
 """Stream of the seed from which pushes are drawn."""
+
+
+class PushSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Horizontal pushes on the robot: at random times, in random directions, off its centre.
+
+    Parameters
+    ----------
+    force : float
+        Largest force in N; each push has between a half and all of it. 0: no pushes.
+    duration : float
+        Duration of a push in s.
+    rate : float
+        Pushes in a second, on average.
+    lever : float
+        Largest distance in m of a push's line from the robot's centre, by which it turns it.
+
+    Raises
+    ------
+    InputError
+        If a number is out of its range.
+
+    Examples
+    --------
+    >>> PushSettings(force=1.0).duration
+    0.2
+    """
+
+    force: float = 0.0
+    duration: float = 0.2
+    rate: float = 0.5
+    lever: float = 0.05
+
+    def __post_init__(self) -> None:
+        for name in ("force", "lever"):
+            force_setattr(self, name, not_negative(name, getattr(self, name)))
+        positive("duration", self.duration, example=0.2)
+        positive("rate", self.rate, example=0.5)
 
 
 class Push(NamedTuple):

@@ -6,16 +6,12 @@ import msgspec
 import numpy as np
 
 from parkproof.errors import InputError
-from parkproof.lab.world.settings import (
-    LAST_TAG,
-    CameraSettings,
-    FloorPose,
-    PushSettings,
-    RobotSettings,
-    WorldSettings,
-    whole_number,
-)
+from parkproof.lab.world.camera_settings import CameraSettings
+from parkproof.lab.world.pushes import PushSettings
+from parkproof.lab.world.robot_settings import LAST_TAG, RobotSettings
+from parkproof.lab.world.settings import FloorPose, WorldSettings
 from parkproof.lab.world.view import TagView
+from parkproof.validate import whole_number
 
 TAG_PIXELS = (20.0, 60.0)
 """Side of the tag at the goal and at the starts."""

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from parkproof.lab.devices import Image
+from parkproof.lab.world.camera_settings import CameraSettings
 from parkproof.lab.world.lens import Lens
-from parkproof.lab.world.settings import CameraSettings
 
 _NOISE_STREAM = 3
 _SLACK = 128

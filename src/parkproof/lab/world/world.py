@@ -14,14 +14,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from parkproof.errors import InputError
-from parkproof.lab.devices import Frame, Image, Missing, RobotLimits, RobotSilentError
-from parkproof.lab.world.accelerated import WorldAcceleratedRobot
+from parkproof.lab.devices import Frame, Image, Missing
+from parkproof.lab.world.devices import (
+    WorldAcceleratedRobot,
+    WorldCamera,
+    WorldClock,
+    WorldRobot,
+)
 from parkproof.lab.world.model import world_model
 from parkproof.lab.world.opengl import load_mujoco
 from parkproof.lab.world.physics import Physics
 from parkproof.lab.world.render import Renderer
 from parkproof.lab.world.sensor import Sensor, render_size
 from parkproof.lab.world.settings import FloorPose, WorldSettings
+from parkproof.lab.world.truth import Truth
 from parkproof.lab.world.view import TagView
 from parkproof.model.homography import Homography
 from parkproof.validate import finite, not_negative
@@ -29,44 +35,6 @@ from parkproof.validate import finite, not_negative
 _DROP_STREAM = 4
 _SUBFRAMES = 5
 """Renderings that are averaged over the time of exposure; odd, so that one is in its middle."""
-
-
-class Truth(NamedTuple):
-    """What is true at a moment.
-
-    Parameters
-    ----------
-    t : float
-        Time in s.
-    x, y, theta : float
-        Middle of the axle in m, and heading in rad.
-    v, omega : float
-        Speed along the heading in m/s and turn rate in rad/s.
-    commanded_v, commanded_omega : float
-        The command in force; accelerations of a robot that takes those, 0 while it brakes.
-    in_view : bool
-        Whether the whole black square of the tag is in the picture.
-
-    Examples
-    --------
-    >>> Truth(0.0, 0.1, 0.2, 0.3, 0.0, 0.0, 0.0, 0.0, True).x
-    0.1
-    """
-
-    t: float
-    x: float
-    y: float
-    theta: float
-    v: float
-    omega: float
-    commanded_v: float
-    commanded_omega: float
-    in_view: bool
-
-    @property
-    def pose(self) -> FloorPose:
-        """(x, y, θ)."""
-        return self.x, self.y, self.theta
 
 
 class _Exposure(NamedTuple):
@@ -107,7 +75,7 @@ class World:
     Raises
     ------
     InputError
-        If MuJoCo or the library that it renders with is missing.
+        If MuJoCo or the library that it renders with is missing, or MuJoCo cannot simulate it.
 
     Examples
     --------
@@ -122,7 +90,13 @@ class World:
         self.settings = settings
         size = render_size(settings.camera.lens())
         text, pictures = world_model(settings, render_size=size)
-        self._model = load_mujoco().MjModel.from_xml_string(text, pictures)
+        try:
+            self._model = load_mujoco().MjModel.from_xml_string(text, pictures)
+        except ValueError as error:  # a mass or a length that is too small or too large for it
+            raise InputError(
+                f"this world cannot be simulated: {error}; write sizes and masses such as a robot "
+                "on a floor has"
+            ) from error
         self._physics = Physics(settings, self._model)
         robot = settings.robot
         plane = self._physics.axle_height + robot.tag_height - robot.wheel_radius
@@ -334,118 +308,3 @@ class World:
         if self._renderer is None:  # worlds that nobody looks at need none
             self._renderer = Renderer(self.settings, self._model, self._size)
         return self._renderer.picture(state)
-
-
-class WorldCamera:
-    """The world's camera (`parkproof.lab.devices.Camera`).
-
-    Parameters
-    ----------
-    world : World
-        The world.
-
-    Examples
-    --------
-    >>> with World(WorldSettings()) as world:
-    ...     world.camera.read(timeout=0.01)
-    <Missing.LATE: 'no frame came in time'>
-    """
-
-    def __init__(self, world: World) -> None:
-        self._world = world
-        self._closed = False
-
-    def read(self, timeout: float) -> Frame | Missing:
-        """Let time pass until the next frame arrives, at most the timeout.
-
-        Parameters
-        ----------
-        timeout : float
-            Longest simulated time to wait in s.
-
-        Returns
-        -------
-        Frame or Missing
-            The newest frame if several have arrived; its t is the middle of the exposure.
-        """
-        return Missing.ENDED if self._closed else self._world.read(timeout)
-
-    def close(self) -> None:
-        """Give the camera back. May be called twice."""
-        self._closed = True
-
-
-class WorldRobot:
-    """The world's robot (`parkproof.lab.devices.Robot`): commands act at once.
-
-    Parameters
-    ----------
-    world : World
-        The world.
-
-    Examples
-    --------
-    >>> with World(WorldSettings()) as world:
-    ...     world.robot.limits.speed
-    0.3
-    """
-
-    def __init__(self, world: World) -> None:
-        self._world = world
-
-    @property
-    def limits(self) -> RobotLimits:
-        """What its maker says that it can do."""
-        return self._world.settings.robot.limits()
-
-    def send(self, v: float, omega: float) -> None:
-        """Drive at v in m/s and turn at ω in rad/s, as well as the motors can.
-
-        Parameters
-        ----------
-        v, omega : float
-            Speed, and turn rate, counter-clockwise from above.
-
-        Raises
-        ------
-        InputError
-            If a number is not finite.
-        RobotSilentError
-            If the world is closed.
-        """
-        if self._world.closed:
-            raise RobotSilentError("the simulated robot does not answer: its world is closed")
-        self._world.command(v, omega)
-
-    def stop(self) -> None:
-        """Stand still."""
-        if not self._world.closed:
-            self._world.command(0.0, 0.0)
-
-    def close(self) -> None:
-        """Stop. May be called twice."""
-        self.stop()
-
-
-class WorldClock:
-    """Simulated time (`parkproof.lab.devices.Clock`).
-
-    Parameters
-    ----------
-    world : World
-        The world.
-
-    Examples
-    --------
-    >>> with World(WorldSettings()) as world:
-    ...     world.advance(0.25)
-    ...     world.clock.now()
-    0.25
-    """
-
-    def __init__(self, world: World) -> None:
-        self._world = world
-
-    def now(self) -> float:
-        """Time in s since the world was made."""
-        return self._world.t

@@ -19,6 +19,7 @@ SPECIFICATIONS = {
     "design": "no scenario, but what parkproof design is to find gains for",
     "campaign": "a scenario and what differs from trial to trial, for parkproof campaign",
     "world": "no scenario, but the simulated laboratory of parkproof lab",
+    "robot": "no scenario, but the robot of a real laboratory: address, limits, wheels",
 }
 """Kinds of other files, each with a line on what it is."""
 

@@ -3,8 +3,11 @@
 The kernel repeats the reference run of `parkproof.simulation.run` for robots of kind "chained" and
 the paper's camera. Law, switching, inputs and measurements are the functions used there; only the
 order of the loops differs. A lane's result does not depend on its place in a batch or on its
-company: all lanes go through the vector loops, whose code rounds in one way, and those that are
-turning are then done again one by one.
+company, as every operation rounds alike in whichever loop (`parkproof.simulation.compiler`).
+
+A law goes through eight lanes at a time, once for each step in which some of them are, with that
+step known to the compiler: powers that a step does not need are then not there. Changes of step and
+all that comes with them are rare, and done one lane at a time.
 
 A controller is given the rows X0 … X4: where measurements are exact and prompt, those of the state
 itself, else those that `parkproof.simulation.lanes.sensor` fills.
@@ -17,24 +20,24 @@ from typing import Any
 
 import numba
 import numpy as np
+from numba.extending import register_jitable
 
 from parkproof.laws.inputs import explicit_inputs, implicit_inputs, predicted, with_direct
 from parkproof.laws.table import law_named
 from parkproof.laws.turn import turn_channels, turned
 from parkproof.model.chained import chained_inputs
 from parkproof.model.unicycle import wrap_angle
+from parkproof.simulation.compiler import OPTIONS, register
 from parkproof.simulation.lanes.buffer import (
+    BEFORE,
     BLOCK,
     CHART,
-    END0,
-    ENDED,
-    ENDED_AT,
-    HIGH0,
-    KEPT,
-    LOW0,
-    OLD0,
-    OLD1,
-    ROWS,
+    ENDING,
+    GROUP,
+    LEFT_CHART,
+    NEW1,
+    NEW2,
+    NEXT,
     S0,
     S1,
     S2,
@@ -46,26 +49,56 @@ from parkproof.simulation.lanes.buffer import (
     SEEN3,
     SEEN4,
     STEP,
-    STEP_BEFORE,
-    TAU1,
-    TAU2,
+    STEPS,
     WAY,
 )
-from parkproof.simulation.lanes.metrics import count, measure, watch
-from parkproof.simulation.lanes.plant import advance_all, begin_signals, change_coordinates
-from parkproof.simulation.lanes.sensor import end_misled, end_unseen, see, seen_pose
-from parkproof.simulation.polynomials import OPTIONS, register
+from parkproof.simulation.lanes.first import all_tones, first_buffer, kinds_of
+from parkproof.simulation.lanes.metrics import (
+    end_beyond_limits,
+    hand_in,
+    measure,
+    note_step,
+    watch,
+)
+from parkproof.simulation.lanes.parameters import array_of, parameters_in
+from parkproof.simulation.lanes.plant import advance, change_coordinates
+from parkproof.simulation.lanes.sensor import end_unseen, is_misled, see, seen_pose
+from parkproof.simulation.steps import (
+    chained_euler_step,
+    chained_step,
+    turning_euler_step,
+    turning_step,
+)
+
+inlined = register_jitable(forceinline=True, **OPTIONS)
 
 
-@numba.njit(forceinline=True, **OPTIONS)
+@inlined
 def true_pose(b, j):
     """Heading, speed and turn rate of a lane that turns, measured exactly."""
-    return b[S2, j], b[S3, j], b[S4, j]
+    return b[S2 + j], b[S3 + j], b[S4 + j]
+
+
+@inlined
+def find_steps(b, counts, groups):
+    """List the groups of lanes in which a step is in force, for each of the five steps."""
+    for step in range(STEPS):
+        counts[step] = 0
+    for first in range(0, BLOCK, GROUP):
+        here = 0
+        for j in range(first, first + GROUP):
+            here |= 1 << int(b[STEP + j])
+        for step in range(STEPS):
+            if here & (1 << step):
+                groups[step, counts[step]] = first
+                counts[step] += 1
 
 
 @cache
-def kernel_of(law_name: str, *, implicit: bool, exact: bool = True) -> Callable[..., Any]:
-    """Compile the kernel of a law in one form, once a process.
+def kernel_of(
+    law_name: str, *, implicit: bool, exact: bool = True, euler: bool = False
+) -> Callable[..., Any]:
+    """Give the kernel of a law in one form, compiled when first called, once a process.
 
     Parameters
     ----------
@@ -75,6 +108,8 @@ def kernel_of(law_name: str, *, implicit: bool, exact: bool = True) -> Callable[
         Which form of the law.
     exact : bool
         Whether measurements are without noise and latency.
+    euler : bool
+        Whether to integrate by Euler's method, as the work that lanes are compared with does.
 
     Returns
     -------
@@ -89,142 +124,144 @@ def kernel_of(law_name: str, *, implicit: bool, exact: bool = True) -> Callable[
     >>> callable(kernel_of("corrected", implicit=False))
     True
     """
+    kernel = _compiled(law_name, implicit, exact, euler)
+
+    def block(
+        p, clock, limits, sensing, state, in_chart, scale_mean, scale_tones, mean, tones,
+        adversary, keys, out,
+    ):  # fmt: skip
+        b, all_of = first_buffer(state, in_chart, mean, scale_mean), all_tones(tones, scale_tones)
+        ring = np.empty((1 if exact else sensing.delay + 1, 6, BLOCK))
+        counts, groups = np.zeros(STEPS, np.int64), np.zeros((STEPS, BLOCK // GROUP), np.int64)
+        kernel(
+            array_of(p), clock, limits, sensing, b, ring, counts, groups, all_of,
+            kinds_of(all_of), adversary, keys, out,
+        )  # fmt: skip
+
+    return block
+
+
+@cache
+def _compiled(law_name: str, implicit: bool, exact: bool, euler: bool) -> Callable[..., Any]:
     register()
     law = law_named(law_name)
     law_begin, law_direction, law_switch = law.begin, law.direction, law.switch
     law_channels, law_direct, turns = law.channels, law.direct, law.turns
     inputs = implicit_inputs if implicit else explicit_inputs
-    compiled = numba.njit(nogil=True, **OPTIONS)
-    inlined = numba.njit(forceinline=True, **OPTIONS)
     X0, X1, X2, X3, X4 = (S0, S1, S2, S3, S4) if exact else (SEEN0, SEEN1, SEEN2, SEEN3, SEEN4)
     pose = true_pose if exact else seen_pose
-
-    @compiled
-    def begin(b, p):
-        for j in range(BLOCK):
-            if b[CHART, j] == 0.0:
-                b[S2, j] = wrap_angle(b[S2, j])
-                theta, v, omega = pose(b, j)
-                inside = abs(theta) < 0.5 * math.pi
-                x2 = math.tan(theta) if inside else math.copysign(math.inf, theta)
-                _, rate = chained_inputs(v, omega, x2)
-            else:
-                x2, rate = b[X2, j], b[X4, j]
-            b[STEP, j] = law_begin(b[X1, j], x2, rate, p)
-            if not exact:
-                end_misled(b, j, 0.0)
-            change_coordinates(b, j)
-            b[STEP_BEFORE, j] = b[STEP, j]
-            b[WAY, j] = law_direction(b[X0, j], b[X1, j], b[X2, j], b[X3, j], p)
+    step_in_chart = chained_euler_step if euler else chained_step
+    step_outside = turning_euler_step if euler else turning_step
 
     @inlined
-    def switch_lane(b, j, t, p):
-        x0, x1, x2, u0, u1 = b[X0, j], b[X1, j], b[X2, j], b[X3, j], b[X4, j]
-        b[STEP, j] = law_switch(b[STEP, j], b[WAY, j], t, x0, x1, x2, u0, u1, p)
+    def switch(b, t, p):
+        """Next step of each lane in the chart; say how many go on or back."""
+        changes = 0
+        for j in range(BLOCK):
+            x0, x1, x2, u0, u1 = b[X0 + j], b[X1 + j], b[X2 + j], b[X3 + j], b[X4 + j]
+            step = b[STEP + j]
+            after = law_switch(step, b[WAY + j], t, x0, x1, x2, u0, u1, p)
+            after = after if step > 0.0 else step
+            b[NEXT + j] = after
+            changes += 1 if after != step else 0
+        return changes
 
     @inlined
-    def turn_lane(b, j, t, p):
-        b[S2, j] = wrap_angle(b[S2, j])
-        theta, v, omega = pose(b, j)
-        if turned(theta, v, omega, p):
-            x2 = math.tan(theta)
-            _, u1 = chained_inputs(v, omega, x2)
-            b[STEP, j] = law_begin(b[X1, j], x2, u1, p)
-            if not exact:
-                end_misled(b, j, t)
-            change_coordinates(b, j)
-
-    @compiled
-    def switch_all(b, t, p):
-        before = count(b, STEP, 0.0)
-        if before > 0:
-            for j in range(BLOCK):
-                b[KEPT, j] = b[STEP, j]
-        for j in range(BLOCK):
-            switch_lane(b, j, t, p)
-        if not turns:
-            return 0
-        if before > 0:
-            for j in range(BLOCK):
-                if b[KEPT, j] == 0.0:
-                    b[STEP, j] = 0.0
-                    turn_lane(b, j, t, p)
-        turning = count(b, STEP, 0.0)
-        fresh = 0
-        for j in range(BLOCK):
-            fresh += 1 if b[STEP, j] == 1.0 and b[STEP_BEFORE, j] != 1.0 else 0
-        if fresh > 0:
-            for j in range(BLOCK):
-                if b[STEP, j] == 1.0 and b[STEP_BEFORE, j] != 1.0:
-                    b[WAY, j] = law_direction(b[X0, j], b[X1, j], b[X2, j], b[X3, j], p)
-        if turning > 0:
-            for j in range(BLOCK):
-                change_coordinates(b, j)
-        return turning
+    def ask_to_begin(b, j, p):
+        """First step of a lane at the start, and of one that turns if it is done."""
+        x2, rate, ready = b[X2 + j], b[X4 + j], True
+        if b[CHART + j] == 0.0:
+            b[S2 + j] = wrap_angle(b[S2 + j])
+            theta, v, omega = pose(b, j)
+            inside = abs(theta) < 0.5 * math.pi
+            x2 = math.tan(theta) if inside else math.copysign(math.inf, theta)
+            _, rate = chained_inputs(v, omega, x2)
+            ready = b[STEP + j] == BEFORE or turned(theta, v, omega, p)
+        if ready:
+            b[NEXT + j] = law_begin(b[X1 + j], x2, rate, p)
 
     @inlined
-    def command_in_chart(b, j, p):
-        x0, x1, x2, u0, u1 = b[X0, j], b[X1, j], b[X2, j], b[X3, j], b[X4, j]
-        y0, y1, y2 = predicted(x0, x1, x2, u0, u1, p)
-        one, two = law_channels(b[STEP, j], b[WAY, j], y0, y1, y2, u0, p)
-        tau1, tau2 = inputs(one, two, u0, u1, p)
-        return tau1, with_direct(tau2, law_direct(b[STEP, j], b[WAY, j], y1, y2, u1, p), p)
+    def change_steps(b, t, p):
+        """Begin, end turns, and carry out changes of step, with all that comes with them."""
+        misled = 0
+        for j in range(BLOCK):
+            if b[ENDING + j] == 0.0:
+                if b[STEP + j] <= 0.0:
+                    ask_to_begin(b, j, p)
+                if not exact and is_misled(b, j):
+                    b[ENDING + j] = LEFT_CHART
+                    misled += 1
+                elif b[NEXT + j] != b[STEP + j]:
+                    note_step(b, j, t)
+                    change_coordinates(b, j)
+                    if b[STEP + j] == 1.0:
+                        b[WAY + j] = law_direction(b[X0 + j], b[X1 + j], b[X2 + j], b[X3 + j], p)
+        return misled
 
     @inlined
-    def command_turning(b, j, p):
-        theta, v, omega = pose(b, j)
-        one, two = turn_channels(theta + p.lookahead * omega, p)
-        return inputs(one, two, v, omega, p)
+    def command_in_step(b, step, count, firsts, p):
+        for i in range(count):
+            first = firsts[i] & (BLOCK - GROUP)  # so that the compiler sees that it is an index
+            for j in range(first, first + GROUP):
+                x0, x1, x2, u0, u1 = b[X0 + j], b[X1 + j], b[X2 + j], b[X3 + j], b[X4 + j]
+                way = b[WAY + j]
+                y0, y1, y2 = predicted(x0, x1, x2, u0, u1, p)
+                one, two = law_channels(step, way, y0, y1, y2, u0, p)
+                tau1, tau2 = inputs(one, two, u0, u1, p)
+                tau2 = with_direct(tau2, law_direct(step, way, y1, y2, u1, p), p)
+                here = b[STEP + j] == step
+                b[NEW1 + j] = tau1 if here else b[NEW1 + j]
+                b[NEW2 + j] = tau2 if here else b[NEW2 + j]
 
-    @compiled
-    def command_all(b, turning, p):
-        for j in range(BLOCK):
-            b[OLD0, j], b[OLD1, j] = b[TAU1, j], b[TAU2, j]
-        for j in range(BLOCK):
-            b[TAU1, j], b[TAU2, j] = command_in_chart(b, j, p)
-        if turning > 0:
-            for j in range(BLOCK):
-                if b[STEP, j] == 0.0:
-                    b[TAU1, j], b[TAU2, j] = command_turning(b, j, p)
+    @inlined
+    def command_turning(b, count, firsts, p):
+        for i in range(count):
+            for j in range(firsts[i], firsts[i] + GROUP):
+                if b[STEP + j] == 0.0:
+                    theta, v, omega = pose(b, j)
+                    one, two = turn_channels(theta + p.lookahead * omega, p)
+                    b[NEW1 + j], b[NEW2 + j] = inputs(one, two, v, omega, p)
 
-    @compiled
+    @numba.njit(nogil=True, **OPTIONS)
     def kernel(
-        p, clock, limits, sensing, state, in_chart, scale_mean, scale_tones, mean, tones,
-        adversary, keys, out,
-    ):  # fmt: skip
-        b = np.zeros((len(ROWS), BLOCK))
-        for j in range(BLOCK):
-            for i in range(5):
-                b[S0 + i, j] = state[i, j]
-            for i in range(4):
-                b[END0 + i, j] = -1.0
-            b[CHART, j] = in_chart[j]
-            b[ENDED_AT, j] = -1.0
-            b[LOW0, j] = b[HIGH0, j] = b[S0, j]
-        ring = np.empty((1 if exact else sensing.delay + 1, 6, BLOCK))
-        if not exact:
-            see(b, ring, 0, sensing, keys)
-        begin(b, p)
-        begin_signals(b, mean, tones, scale_mean, scale_tones)
+        numbers, clock, limits, sensing, b, ring, counts, groups, tones, kinds, adversary, keys, out
+    ):
+        p = parameters_in(numbers)
+        limited = min(limits.tau1, limits.tau2, limits.speed, limits.turn_rate) < math.inf
+        running = BLOCK
+        turning = False
         for k in range(clock.samples + 1):
             t = k * clock.period
-            if not exact and k > 0:
+            if not exact:
                 see(b, ring, k, sensing, keys)
-            watch(b, t, limits, turns)
+            ended = watch(b, limits, turns)
             if not exact and not turns:
-                end_unseen(b, t)
-            turning = switch_all(b, t, p) if k > 0 else count(b, STEP, 0.0)
-            command_all(b, turning, p)
-            measure(b, t, k == 0, clock.residual_from, limits)
-            if count(b, ENDED, 0.0) == 0:
+                ended += end_unseen(b)
+            changes = switch(b, t, p)
+            if changes > 0 or turning or k == 0:
+                ended += change_steps(b, t, p)
+            if ended > 0:
+                running -= hand_in(b, t, False, out)
+            if changes + ended > 0 or turning or k == 0:
+                find_steps(b, counts, groups)
+                turning = counts[0] > 0
+            command_turning(b, counts[0], groups[0], p)
+            command_in_step(b, 1.0, counts[1], groups[1], p)
+            command_in_step(b, 2.0, counts[2], groups[2], p)
+            command_in_step(b, 3.0, counts[3], groups[3], p)
+            command_in_step(b, 4.0, counts[4], groups[4], p)
+            measure(b, k == 0, t >= clock.residual_from, counts[4] > 0, turning)
+            ended = end_beyond_limits(b, limits) if limited else 0
+            last = k == clock.samples
+            if ended > 0 or last:
+                running -= hand_in(b, t, last, out)
+                find_steps(b, counts, groups)
+                turning = counts[0] > 0
+            if running == 0:
                 break
-            if k < clock.samples:
-                advance_all(
-                    b, turning, scale_mean, scale_tones, mean, tones, adversary,
-                    t, clock.period, clock.plant_steps,
-                )  # fmt: skip
-        for i in range(out.shape[0]):
-            for j in range(BLOCK):
-                out[i, j] = b[i, j]
+            advance(
+                b, turning, tones, kinds, adversary, t, clock.period, clock.plant_steps, k == 0,
+                euler, step_in_chart, step_outside,
+            )  # fmt: skip
 
     return kernel
