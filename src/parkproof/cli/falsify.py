@@ -35,7 +35,7 @@ def falsify(
     out : Path
         Where to write the worst run as a scenario; default falsified.toml.
     runs : int, optional
-        About how many runs; default 4096, or as many as --seconds allows.
+        About how many runs; default 8192, or as many as --seconds allows.
     seconds : float, optional
         About how long, in s; then the result depends on the machine.
     objective : list of str, optional
@@ -49,7 +49,7 @@ def falsify(
         Default one a processor; the result does not depend on it.
     settings : list of str, optional
         Override a key of the scenario, or of [run] for a certificate, as in
-        run.control_period=0.002; may be repeated.
+        run.control_period=0.001; may be repeated.
     overwrite : bool
         Replace the file written if there is one.
     quiet : bool
@@ -125,7 +125,7 @@ def falsify(
     return 1 if alarms else 0
 
 
-MOST_RUNS, MOST_THREADS, USUAL_RUNS = 10**9, 1024, 4096
+MOST_RUNS, MOST_THREADS, USUAL_RUNS = 10**9, 1024, 8192
 
 
 def _budget(runs: int | None, seconds: float | None) -> tuple[int, float]:
@@ -133,7 +133,7 @@ def _budget(runs: int | None, seconds: float | None) -> tuple[int, float]:
     from parkproof.errors import InputError
 
     if runs is not None and not 1 <= runs <= MOST_RUNS:
-        raise InputError(f"--runs {runs}: must be from 1 to {MOST_RUNS:,}; write for example 4096")
+        raise InputError(f"--runs {runs}: must be from 1 to {MOST_RUNS:,}; write for example 8192")
     if seconds is not None and not 0.0 < seconds < math.inf:
         raise InputError(f"--seconds {seconds:g}: must be a positive number; write for example 60")
     usual = USUAL_RUNS if seconds is None else MOST_RUNS

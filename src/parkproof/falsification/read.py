@@ -113,15 +113,15 @@ def _run_settings(certificate: dict[str, Any], overrides: Sequence[str]) -> RunS
         raise InputError(f"the certificate's total_time = {time:g}: must be a positive number")
     usual = RunSettings(
         duration=math.ceil(time + AFTER),
-        control_period=1e-3,
-        plant_step=1e-3,
+        control_period=2e-3,
+        plant_step=2e-3,
         discretisation="implicit",
     )
     for text in overrides:
         if not text.strip().startswith("run."):
             raise InputError(
                 f"--set {text}: of a certificate's runs only keys of run can be set, such as "
-                "run.control_period=0.002; everything else is what it speaks of"
+                "run.control_period=0.001; everything else is what it speaks of"
             )
     data: dict[str, Any] = {"run": msgspec.to_builtins(usual)}
     apply_overrides(data, overrides, Scenario)

@@ -27,7 +27,7 @@ POPULATION = 64
 DIGITS = 9
 """Points are rounded to so many digits, so that one met again is known again."""
 
-FIRST = 0.25
+FIRST = 0.125
 """Share of the runs that is drawn at random, before anything is improved."""
 
 LATEST = 1.25
@@ -142,7 +142,7 @@ def falsify(
     claims: Sequence[Proven],
     *,
     objectives: Sequence[Proven],
-    runs: int = 4096,
+    runs: int = 8192,
     seconds: float = math.inf,
     seed: int = 0,
     threads: int = 1,

@@ -144,13 +144,13 @@ def simulate_trials(scenario: Scenario, trials: Trials, *, threads: int = 1) -> 
         *(limits.view or (-none, none, -none, none)),
     )
     out = np.empty((len(RESULTS), len(trials)))
-    jump = trials.jump
+    smooth, jumping = (integration_steps(run, jumps=jumps) for jumps in (False, True))
+    sizes = np.where(trials.jump, jumping, smooth)
     with ThreadPoolExecutor(threads) as pool:
         # signals that jump ask for smaller steps: lanes of one block share theirs
-        for jumps in (False, True):
-            alike = np.flatnonzero(jump == jumps)
+        for size in sorted({smooth, jumping}):
+            alike = np.flatnonzero(sizes == size)
             if alike.size:
-                size = integration_steps(run, jumps=jumps)
                 shared = (p, clock._replace(plant_steps=size), lane_limits, sensing)
                 some = trials if alike.size == len(trials) else trials.some(alike)
                 out[:, alike] = _carry_out(kernel, shared, some, pool)
