@@ -53,6 +53,7 @@ from parkproof.simulation.lanes.buffer import (
     WAY,
 )
 from parkproof.simulation.lanes.first import all_tones, first_buffer, kinds_of
+from parkproof.simulation.lanes.kept import keep
 from parkproof.simulation.lanes.metrics import (
     end_beyond_limits,
     end_code,
@@ -276,4 +277,5 @@ def _compiled(
                 b, cameras, counts[0] > 0, tones, kinds, t, clock.period, clock.plant_steps, k == 0
             )  # fmt: skip
 
-    return kernel
+    name = f"{law_name} {implicit=} {exact=} {robot} {camera=} {euler=}"
+    return keep(kernel, name)
