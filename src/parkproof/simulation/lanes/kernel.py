@@ -54,6 +54,7 @@ from parkproof.simulation.lanes.buffer import (
 )
 from parkproof.simulation.lanes.first import all_tones, first_buffer, kinds_of
 from parkproof.simulation.lanes.kept import keep
+from parkproof.simulation.lanes.memory import array_of, buffer_of, parameters_in
 from parkproof.simulation.lanes.metrics import (
     end_beyond_limits,
     end_code,
@@ -62,7 +63,6 @@ from parkproof.simulation.lanes.metrics import (
     measure,
     note_step,
 )
-from parkproof.simulation.lanes.parameters import array_of, parameters_in
 from parkproof.simulation.lanes.parts import parts_of
 from parkproof.simulation.lanes.plant import push, state_at
 from parkproof.simulation.lanes.sensor import end_unseen, is_misled, is_unseen
@@ -222,14 +222,19 @@ def _compiled(
 
     @numba.njit(nogil=True, **OPTIONS)
     def kernel(
-        numbers, clock, limits, sensing, b, ring, counts, groups, tones, kinds, adversary, keys,
+        numbers, clock, limits, sensing, rows, ring, counts, groups, waves, kinds, most, keys,
         cameras, out,
     ):  # fmt: skip
-        p = parameters_in(numbers)
+        p, b, tones, adversary = (
+            parameters_in(numbers),
+            buffer_of(rows),
+            buffer_of(waves),
+            buffer_of(most),
+        )
         limited = min(limits.tau1, limits.tau2, limits.speed, limits.turn_rate) < math.inf
         opposed = False
         for j in range(BLOCK):
-            opposed = opposed or adversary[0, j] > 0.0 or adversary[1, j] > 0.0
+            opposed = opposed or max(adversary[j], adversary[BLOCK + j]) > 0.0
         running = BLOCK
         begin(b, cameras)
         for k in range(clock.samples + 1):

@@ -52,37 +52,45 @@ inlined = register_jitable(forceinline=True, **OPTIONS)
 
 
 @inlined
-def tone_at(tones, i, m, j, squares, t):
+def tone_at(tones, first, j, squares, t):
     """Value of a lane's tone; where no lane has square waves, that is known before the loop."""
-    square = tones[i, m, 3, j] if squares else 0.0
-    return tone_value(tones[i, m, 0, j], tones[i, m, 1, j], tones[i, m, 2, j], square, t)
+    square = tones[first + 3 * BLOCK + j] if squares else 0.0
+    omega, phase = tones[first + BLOCK + j], tones[first + 2 * BLOCK + j]
+    return tone_value(tones[first + j], omega, phase, square, t)
 
 
-@inlined
-def fill_signals(b, tones, kinds, rows, t):
-    """Write the signals that vary at a time into their rows; those of constant ones are right.
+def _filling(rows):
+    """Make the function that writes the signals that vary into rows of a time.
 
-    A step's end is the next one's start: where the rows are those for the end, what they held
-    becomes the start.
+    Rows of constant signals are left alone. A step's end is the next one's start: where the rows
+    are those for the end, what they held becomes the start.
     """
-    for i in range(SIGNALS):
-        row = i * BLOCK
-        for m in range(kinds.shape[1]):
-            kind = kinds[i, m]
-            if kind == SINES and m == 0:
-                for j in range(BLOCK):
-                    if rows == END:
-                        b[START + row + j] = b[END + row + j]
-                    b[rows + row + j] = b[MEAN + row + j] + tone_at(tones, i, 0, j, False, t)
-            elif kind == SINES:
-                for j in range(BLOCK):
-                    b[rows + row + j] += tone_at(tones, i, m, j, False, t)
-            elif kind == SQUARES:
-                for j in range(BLOCK):
-                    if rows == END and m == 0:
-                        b[START + row + j] = b[END + row + j]
-                    before = b[MEAN + row + j] if m == 0 else b[rows + row + j]
-                    b[rows + row + j] = before + tone_at(tones, i, m, j, True, t)
+
+    @inlined
+    def fill(b, tones, kinds, t):
+        for i in range(SIGNALS):
+            row = i * BLOCK
+            for m in range(kinds.shape[1]):
+                kind, tone = kinds[i, m], (i * kinds.shape[1] + m) * 4 * BLOCK
+                if kind == SINES and m == 0:
+                    for j in range(BLOCK):
+                        if rows == END:
+                            b[START + row + j] = b[END + row + j]
+                        b[rows + row + j] = b[MEAN + row + j] + tone_at(tones, tone, j, False, t)
+                elif kind == SINES:
+                    for j in range(BLOCK):
+                        b[rows + row + j] += tone_at(tones, tone, j, False, t)
+                elif kind == SQUARES:
+                    for j in range(BLOCK):
+                        if rows == END and m == 0:
+                            b[START + row + j] = b[END + row + j]
+                        before = b[MEAN + row + j] if m == 0 else b[rows + row + j]
+                        b[rows + row + j] = before + tone_at(tones, tone, j, True, t)
+
+    return fill
+
+
+fill_start, fill_middle, fill_end = _filling(START), _filling(MIDDLE), _filling(END)
 
 
 @inlined
@@ -102,8 +110,8 @@ def change_coordinates(b, j):
 def push(b, adversary):
     """Disturbances of adversaries, which oppose the inputs; all other lanes keep theirs, 0."""
     for j in range(BLOCK):
-        b[PUSH1 + j] = -adversary[0, j] * sign(b[TAU1 + j])
-        b[PUSH2 + j] = -adversary[1, j] * sign(b[TAU2 + j])
+        b[PUSH1 + j] = -adversary[j] * sign(b[TAU1 + j])
+        b[PUSH2 + j] = -adversary[BLOCK + j] * sign(b[TAU2 + j])
 
 
 @inlined
@@ -196,10 +204,10 @@ def advance(b, camera, turning, tones, kinds, t, h, steps, first, inside, outsid
     for i in range(-1 if first and not euler else 0, steps):
         begin = t + i * part
         if euler:
-            fill_signals(b, tones, kinds, START, begin)
+            fill_start(b, tones, kinds, begin)
         else:
-            fill_signals(b, tones, kinds, MIDDLE, begin + 0.5 * part)
-            fill_signals(b, tones, kinds, END, begin + part)
+            fill_middle(b, tones, kinds, begin + 0.5 * part)
+            fill_end(b, tones, kinds, begin + part)
         if i >= 0:
             if turning:  # the loop for lanes in the chart takes all along, and is then undone
                 for j in range(BLOCK):

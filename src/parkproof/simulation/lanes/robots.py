@@ -22,13 +22,11 @@ from parkproof.simulation.lanes.buffer import (
     BETA,
     BLOCK,
     CHART,
-    END,
     KEPT_CHART,
     KEPT_OMEGA,
     KEPT_U0,
     KEPT_U1,
     KEPT_V,
-    MIDDLE,
     OWN0,
     OWN1,
     OWN2,
@@ -61,7 +59,8 @@ from parkproof.simulation.lanes.buffer import (
 from parkproof.simulation.lanes.image import homography_of
 from parkproof.simulation.lanes.plant import (
     disturbed,
-    fill_signals,
+    fill_end,
+    fill_middle,
     move,
     state_at,
 )
@@ -235,8 +234,8 @@ def advance_robots(b, camera, tones, kinds, t, h, steps, first, rates, step):
     part = h / steps
     for i in range(-1 if first else 0, steps):
         begin = t + i * part
-        fill_signals(b, tones, kinds, MIDDLE, begin + 0.5 * part)
-        fill_signals(b, tones, kinds, END, begin + part)
+        fill_middle(b, tones, kinds, begin + 0.5 * part)
+        fill_end(b, tones, kinds, begin + part)
         if i >= 0:
             for j in range(BLOCK):
                 move(b, camera, j, state_at(b, j, OWN0), OWN0, part, rates, step)
