@@ -94,6 +94,19 @@ fill_start, fill_middle, fill_end = _filling(START), _filling(MIDDLE), _filling(
 
 
 @inlined
+def signals_of_step(b, tones, kinds, begin, h):
+    """Find signals at a step's middle and end; its start is the end of the one before."""
+    fill_middle(b, tones, kinds, begin + 0.5 * h)
+    fill_end(b, tones, kinds, begin + h)
+
+
+@inlined
+def signals_at_start(b, tones, kinds, begin, _h):
+    """Find signals at a step's start, which is all that Euler's method asks for."""
+    fill_start(b, tones, kinds, begin)
+
+
+@inlined
 def change_coordinates(b, j):
     """Enter or leave the chart, as the step of a lane asks."""
     if b[STEP + j] >= 1.0 and b[CHART + j] == 0.0:
@@ -193,32 +206,31 @@ def state_at(b, j, row):
     )  # fmt: skip
 
 
-@inlined
-def advance(b, camera, turning, tones, kinds, t, h, steps, first, inside, outside, euler):
-    """Move all lanes by one control period; before the first, find the signals at its start.
+def advancing(find_signals, inside, outside):
+    """Make the function that moves all lanes by one control period.
 
-    ``inside`` and ``outside`` are integration steps in the chart and outside it; those of Euler
-    know signals at a step's start only.
+    Before the first, it finds the signals at its start. ``find_signals`` is one of those above;
+    ``inside`` and ``outside`` are integration steps in the chart and outside it.
     """
-    part = h / steps
-    for i in range(-1 if first and not euler else 0, steps):
-        begin = t + i * part
-        if euler:
-            fill_start(b, tones, kinds, begin)
-        else:
-            fill_middle(b, tones, kinds, begin + 0.5 * part)
-            fill_end(b, tones, kinds, begin + part)
-        if i >= 0:
-            if turning:  # the loop for lanes in the chart takes all along, and is then undone
+
+    @inlined
+    def advance(b, camera, turning, tones, kinds, t, h, steps, first):
+        part = h / steps
+        for i in range(-1 if first else 0, steps):
+            find_signals(b, tones, kinds, t + i * part, part)
+            if i >= 0:
+                if turning:  # the loop for lanes in the chart takes all along, and is then undone
+                    for j in range(BLOCK):
+                        for k in range(5):
+                            b[KEPT0 + k * BLOCK + j] = b[S0 + k * BLOCK + j]
+                        b[KEPT_PATH + j] = b[PATH + j]
                 for j in range(BLOCK):
-                    for k in range(5):
-                        b[KEPT0 + k * BLOCK + j] = b[S0 + k * BLOCK + j]
-                    b[KEPT_PATH + j] = b[PATH + j]
-            for j in range(BLOCK):
-                move(b, camera, j, state_at(b, j, S0), S0, part, input_rates, inside)
-            if turning:
-                for j in range(BLOCK):
-                    if b[CHART + j] == 0.0:
-                        b[PATH + j] = b[KEPT_PATH + j]
-                        state = state_at(b, j, KEPT0)
-                        move(b, camera, j, state, S0, part, input_rates, outside)
+                    move(b, camera, j, state_at(b, j, S0), S0, part, input_rates, inside)
+                if turning:
+                    for j in range(BLOCK):
+                        if b[CHART + j] == 0.0:
+                            b[PATH + j] = b[KEPT_PATH + j]
+                            state = state_at(b, j, KEPT0)
+                            move(b, camera, j, state, S0, part, input_rates, outside)
+
+    return advance

@@ -59,9 +59,8 @@ from parkproof.simulation.lanes.buffer import (
 from parkproof.simulation.lanes.image import homography_of
 from parkproof.simulation.lanes.plant import (
     disturbed,
-    fill_end,
-    fill_middle,
     move,
+    signals_of_step,
     state_at,
 )
 from parkproof.simulation.lanes.sensor import take
@@ -233,9 +232,7 @@ def advance_robots(b, camera, tones, kinds, t, h, steps, first, rates, step):
     """Move all robots by one control period; before the first, find the signals at its start."""
     part = h / steps
     for i in range(-1 if first else 0, steps):
-        begin = t + i * part
-        fill_middle(b, tones, kinds, begin + 0.5 * part)
-        fill_end(b, tones, kinds, begin + part)
+        signals_of_step(b, tones, kinds, t + i * part, part)
         if i >= 0:
             for j in range(BLOCK):
                 move(b, camera, j, state_at(b, j, OWN0), OWN0, part, rates, step)
