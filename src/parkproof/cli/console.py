@@ -2,9 +2,9 @@
 
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO, cast
 
 from rich.console import Console
 from rich.table import Column, Table
@@ -114,6 +114,33 @@ def _indented(text: str) -> Any:
     return Padding(text, (0, 0, 0, 2))
 
 
+class _Tolerant:
+    """A stream that may go away, as a terminal that is closed, without a word.
+
+    Parameters
+    ----------
+    stream : TextIO
+        What is written to.
+    """
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+    def write(self, text: str) -> int:
+        """Write, if that is possible."""
+        with suppress(OSError):
+            self._stream.write(text)
+        return len(text)
+
+    def flush(self) -> None:
+        """Have written, if that is possible."""
+        with suppress(OSError):
+            self._stream.flush()
+
+
 @contextmanager
 def progress(*, quiet: bool = False) -> Iterator[Report]:
     """Show a bar on standard error while something is done, if that is a terminal.
@@ -135,7 +162,8 @@ def progress(*, quiet: bool = False) -> Iterator[Report]:
     """
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-    console = Console(stderr=True, markup=False, highlight=False)
+    stream = cast("TextIO", _Tolerant(sys.stderr))  # what is done matters more than the bar
+    console = Console(file=stream, markup=False, highlight=False)
     shown = not quiet and console.is_terminal
     with Progress(
         TextColumn("{task.description}", markup=False),

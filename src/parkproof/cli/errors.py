@@ -55,6 +55,10 @@ def guarded(command: Callable[[], int]) -> int:
                 status = _bad_input(error)
             else:  # whoever read the output, such as head, has had enough of it
                 discard_output()
+        except SystemExit as error:
+            if not isinstance(error.code, int) or error.code <= 128:
+                raise
+            status = _stopped(error.code - 128, error)  # what stops a robot takes more signals
     return status
 
 
