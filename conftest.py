@@ -73,6 +73,7 @@ def _names_of_examples(request, monkeypatch, tmp_path):
 
         for name in ("gains.toml", "scenario.toml"):
             (tmp_path / name).write_text(template("corrected"), encoding="utf-8")
+        (tmp_path / "campaign.toml").write_text(template("campaign"), encoding="utf-8")
     if "evidence" in text:
         from parkproof.report.claims import claims_of
 

@@ -78,7 +78,7 @@ def run(seed: int, start: int, hard: int, torque: int) -> dict:
 def parkable(world, goal) -> bool:
     """Whether a refused start has a course if every gain is known exactly, with hardly a margin."""
     from parkproof.bounds import Bounds
-    from parkproof.lab.pilot import Arrival
+    from parkproof.lab.arrival import Arrival
     from parkproof.lab.plan import Task, plan_course
     from parkproof.lab.predict import GoalPose
     from parkproof.lab.view import ImageView, tag_footprint

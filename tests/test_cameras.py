@@ -393,8 +393,8 @@ def test_frames_that_are_lost_or_of_no_size_are_passed_over():
             numbers.append(frame.number)
     assert numbers[-1] == 1
     assert camera.why_ended == "usb:0 gives no frames any more, after 2: unplugged?"
-    assert capture.released
     camera.close()
+    assert capture.released
 
 
 def test_a_camera_that_gives_no_frame_is_refused_and_given_back():
@@ -411,6 +411,24 @@ def test_a_camera_that_changes_its_size_ends():
         pass
     assert camera.why_ended == "usb:0 has changed the size of its frames"
     camera.close()
+
+
+def test_a_driver_that_fails_ends_the_camera_with_its_words(capsys):
+    class Fails(Scripted):
+        def read(self) -> tuple[bool, object]:
+            if not self.answers:
+                raise RuntimeError("the bus went away")
+            return super().read()
+
+        def release(self) -> None:
+            raise RuntimeError("no such device")
+
+    camera = LiveCamera(Fails(GOOD, GOOD), name="usb:0")
+    while camera.read(1.0) is not Missing.ENDED:
+        pass
+    assert camera.why_ended == "usb:0 failed after 2 frames: the bus went away"
+    camera.close()
+    assert capsys.readouterr().err == ""
 
 
 def test_a_live_camera_that_is_late_says_so():

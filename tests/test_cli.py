@@ -3,6 +3,7 @@
 import errno
 import io
 import json
+import re
 import subprocess
 import sys
 import time
@@ -301,6 +302,21 @@ def test_init_lists_its_kinds_and_writes_each(capsys):
 def test_a_device_is_written_to_and_not_replaced(capsys):
     said(capsys, "init", "--out", "/dev/null")
     assert Path("/dev/null").is_char_device()
+
+
+def test_what_is_counted_is_shown_on_a_terminal_with_rate_and_time_left(capsys, monkeypatch):
+    from parkproof.cli.console import counted
+
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("COLUMNS", "120")
+    with counted("trials") as count:
+        count(500, 2000)
+        for done in (1000, 1500):
+            time.sleep(0.01)
+            count(done, 2000)
+    shown = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", capsys.readouterr().err)
+    assert "1,500 of 2,000 trials" in shown
+    assert re.search(r"[\d,]+ trials/s 0:00:\d\d left", shown)
 
 
 def test_the_schema_is_printed_as_json(capsys):

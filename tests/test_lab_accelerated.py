@@ -10,21 +10,25 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from parkproof.cli import main
-from parkproof.lab.accelerated_parker import AcceleratedParker, commanded_by
+from parkproof.lab.accelerated_parker import AcceleratedParker
+from parkproof.lab.accelerated_watchdog import StoppingAcceleratedRobot
+from parkproof.lab.answer import Phase
 from parkproof.lab.devices import Frame, Missing, WallClock
 from parkproof.lab.estimate import Sighting
 from parkproof.lab.limits import limited_acceleration
-from parkproof.lab.loop import LabOutcome, run_lab
+from parkproof.lab.loop import run_lab
 from parkproof.lab.observer import AcceleratedEstimator
-from parkproof.lab.parker import Phase
+from parkproof.lab.outcome import LabOutcome
+from parkproof.lab.parker_for import commanded_by
 from parkproof.lab.predict import CommandHistory, GoalPose, advanced
 from parkproof.lab.replay import replayed
+from parkproof.lab.safety import Alarm
 from parkproof.lab.settings import LabSettings
 from parkproof.lab.simulated import run_simulated, shown_goal
-from parkproof.lab.watchdog import StoppingAcceleratedRobot
 from parkproof.lab.world import PushSettings, RobotSettings, World, WorldSettings, random_world
 from parkproof.lab.world.inertia import nominal_drive
-from test_lab_safety import BLANK, LIMITS, RATE, goal, picture
+from parkproof.results import read_trajectory
+from test_lab_safety import BLANK, LIMITS, RATE, goal, noisy, picture
 from test_watchdog import Hands, some_limits, wait_until
 
 TORQUE = RobotSettings(commanded_by="torque")
@@ -223,6 +227,12 @@ def test_when_nothing_is_seen_it_is_not_accelerated_and_then_brakes(driving, wha
     assert answer.phase is Phase.STOPPED
 
 
+def test_a_robot_that_accelerates_and_is_not_seen_to_move_is_braked(driving):
+    answers = [driving(noisy(seed)) for seed in range(45)]
+    assert Alarm.STALLED in {answer.alarm for answer in answers}
+    assert (answers[-1].accelerations, answers[-1].phase) == (None, Phase.STOPPED)
+
+
 def test_it_goes_on_when_the_tag_is_back(driving):
     driving(BLANK, 20)
     answer = driving(picture((150, 150)), 12)
@@ -251,6 +261,13 @@ def test_the_command_parks_a_robot_that_takes_accelerations(made):
     assert summary["frames"]["out_of_view"] == 0
     assert summary["image_error"]["distance_px"] <= 1.0
     assert summary["image_error"]["heading_deg"] <= 1.0
+
+
+def test_the_inputs_of_the_law_are_kept(made):
+    summary = json.loads((made / "summary.json").read_text())
+    assert min(summary["peak_tau"]) > 0.0
+    inputs = read_trajectory(made / "trajectory.parquet")
+    assert np.all(np.isfinite(inputs["tau1"]))
 
 
 def test_a_replay_gives_the_same_accelerations(made):

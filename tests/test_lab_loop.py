@@ -8,6 +8,8 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import cv2
@@ -18,16 +20,22 @@ import pytest
 from parkproof.cli import main
 from parkproof.errors import InputError
 from parkproof.lab.devices import Frame, Missing, RobotLimits, RobotSilentError
+from parkproof.lab.film import Film
 from parkproof.lab.image_pose import TagMount
-from parkproof.lab.loop import LabOutcome, run_lab
-from parkproof.lab.recording import Recording
+from parkproof.lab.loop import replay_settings, run_lab
+from parkproof.lab.outcome import LabOutcome
+from parkproof.lab.record import Recorder
+from parkproof.lab.recording import RecordedCamera, Recording
 from parkproof.lab.replay import replayed
 from parkproof.lab.robot_simulator import UdpRobotSimulator
+from parkproof.lab.safety import SafetyLimits
 from parkproof.lab.settings import LabSettings
 from parkproof.lab.simulated import floor_pose, run_simulated, shown_goal
 from parkproof.lab.tag import TagDetector
 from parkproof.lab.teach import teach
+from parkproof.lab.worker import Worker
 from parkproof.lab.world import RobotSettings, World, WorldSettings, random_world
+from parkproof.lab.world.settings import example_world
 from tag_pictures import picture, view
 
 SHORT = LabSettings(hold=2.0, duration=60.0)
@@ -53,6 +61,31 @@ def test_the_command_parks_from_pixels_and_leaves_all_it_promises(made):
     } <= names  # fmt: skip
 
 
+def messages(path: Path, topic: str) -> list:
+    from mcap.reader import make_reader
+    from mcap_ros2.decoder import DecoderFactory
+
+    with path.open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        return list(reader.iter_decoded_messages(topics=[topic]))
+
+
+def test_the_summary_holds_what_the_run_was_told(made):
+    told = json.loads((made / "summary.json").read_text())["settings"]
+    assert told["settings"]["hold"] == 1.0
+    assert told["goal"]["picture"] == [640, 480]
+    assert told["limits"]["speed"] > 0.0
+
+
+def test_the_recording_holds_image_poses_and_the_date(made):
+    found = messages(made / "run.mcap", "/robot/image_pose")
+    goal = json.loads((made / "goal.json").read_text())
+    *_, message, last = found[-1]
+    assert last.pose.position.x == pytest.approx(goal["u"], abs=1.0)
+    assert last.pose.position.y == pytest.approx(goal["v"], abs=1.0)
+    assert abs(time.time() - 1e-9 * message.log_time) < 3600.0
+
+
 def test_a_replay_gives_the_same_commands(made, capsys):
     assert replayed(made / "run.mcap").same
     assert main(["replay", str(made)]) == 0
@@ -60,7 +93,7 @@ def test_a_replay_gives_the_same_commands(made, capsys):
 
 
 def test_a_replay_with_other_settings_gives_other_commands(made, monkeypatch):
-    monkeypatch.setattr("parkproof.lab.parker.TOLERANCE", 0.3)
+    monkeypatch.setattr("parkproof.lab.planning.TOLERANCE", 0.3)
     monkeypatch.setattr("parkproof.lab.plan.PACES", (0.5,))
     found = replayed(made / "run.mcap")
     assert not found.same
@@ -84,6 +117,166 @@ def test_commands_stay_within_the_limits_of_a_weaker_robot():
     assert judged.run.outcome is LabOutcome.PARKED
     assert max(abs(sample.v) for sample in judged.run.samples) <= 0.12
     assert max(abs(sample.omega) for sample in judged.run.samples) <= 0.8
+
+
+class Noted:
+    """The robot of a world, with what it is sent and when."""
+
+    def __init__(self, world: World) -> None:
+        self._robot, self._clock = world.robot, world.clock
+        self.sent: list[tuple[float, float, float]] = []
+
+    @property
+    def limits(self) -> RobotLimits:
+        return self._robot.limits
+
+    def send(self, v: float, omega: float) -> None:
+        self.sent.append((self._clock.now(), v, omega))
+        self._robot.send(v, omega)
+
+    def stop(self) -> None:
+        self._robot.stop()
+
+    def close(self) -> None:
+        self._robot.close()
+
+
+def test_what_a_weaker_robot_is_sent_changes_no_faster_than_it_can():
+    weak = RobotSettings(speed=0.12, turn_rate=0.8, acceleration=0.4, turn_acceleration=3.0)
+    with World(WorldSettings(robot=weak)) as world:
+        goal, robot = shown_goal(world), Noted(world)
+        run_lab(
+            world.camera, robot, world.clock, goal,
+            settings=LabSettings(duration=12.0), realtime=False,
+        )  # fmt: skip
+    assert len(robot.sent) > 300
+    assert max(abs(v) for _, v, _ in robot.sent) == pytest.approx(0.12)
+    assert max(abs(omega) for *_, omega in robot.sent) <= 0.8
+    for (t, v, omega), (later, w, psi) in pairwise(robot.sent):
+        assert abs(w - v) <= 0.4 * (later - t) + 1e-12
+        assert abs(psi - omega) <= 3.0 * (later - t) + 1e-12
+
+
+class Odd:
+    """A camera that gives, now and then, what is no picture of the goal's size."""
+
+    def __init__(self, world: World) -> None:
+        self._eye, self._count = world.camera, 0
+
+    def read(self, timeout: float):
+        self._count += 1
+        got = self._eye.read(timeout)
+        small = np.zeros((24, 32), np.uint8)
+        odd = (None, np.zeros(0), np.zeros((480, 640, 4), np.uint8), small)
+        if isinstance(got, Missing) or self._count % 9:
+            return got
+        return replace(got, image=odd[self._count // 9 % 4])
+
+    def close(self) -> None:
+        self._eye.close()
+
+
+def recorded(world: World, path: Path, camera=None, *, watch=lambda *_: None, duration=3.0):
+    """A short run that is recorded as run.mcap, and the recorder."""
+    settings, goal = LabSettings(duration=duration), shown_goal(world)
+    known = replay_settings(goal, world.robot, settings, SafetyLimits())
+    with Recorder(path / "run.mcap", settings=known, realtime=False) as recorder:
+        found = run_lab(
+            camera or world.camera, world.robot, world.clock, goal,
+            settings=settings, recorder=recorder, watch=watch, realtime=False,
+        )  # fmt: skip
+    return found, recorder
+
+
+def test_what_is_no_picture_neither_ends_a_run_nor_its_recording_nor_its_film(tmp_path):
+    with World(WorldSettings()) as world:
+        goal = shown_goal(world)
+        with Film(tmp_path / "run.mp4", goal, 30.0, realtime=False) as film:
+            found, _ = recorded(world, tmp_path, Odd(world), watch=film.add)
+        film.write_strip(tmp_path / "strip.png")
+    assert found.outcome is LabOutcome.STILL_MOVING
+    assert found.frames.without_tag >= 8
+    assert (tmp_path / "strip.png").exists()
+    again = replayed(tmp_path / "run.mcap")
+    assert again.same
+    assert again.commands >= 90
+
+
+def test_a_stop_that_nobody_asked_for_is_in_the_recording_and_replayed(tmp_path):
+    def watch(_reading, answer) -> None:
+        if round(30.0 * answer.t) % 25 == 0:
+            signal.raise_signal(signal.SIGTSTP)
+
+    before = signal.signal(signal.SIGTSTP, lambda *_: None)  # instead of being suspended
+    try:
+        with World(WorldSettings()) as world:
+            found, _ = recorded(world, tmp_path, watch=watch)
+    finally:
+        signal.signal(signal.SIGTSTP, before)
+    assert [event.name for event in found.events].count("halt") >= 3
+    commands = Recording.open(tmp_path / "run.mcap").commands()
+    changed = [each for each in commands if each.halted is not None and each.asked is not None]
+    assert any(abs(each.v) < abs(each.asked[0]) for each in changed)
+    assert replayed(tmp_path / "run.mcap").same
+
+
+def test_a_replay_compares_up_to_a_picture_that_was_lost(tmp_path, monkeypatch):
+    calls = []
+
+    def do(worker, job, *, bulky=False):
+        calls.append(bulky)
+        return False if bulky and sum(calls) == 40 else done(worker, job, bulky=bulky)
+
+    done = Worker.do
+    monkeypatch.setattr(Worker, "do", do)
+    with World(WorldSettings()) as world:
+        _, recorder = recorded(world, tmp_path)
+    assert recorder.lost == 1
+    found = replayed(tmp_path / "run.mcap")
+    assert (found.same, found.lost, found.first_different) == (False, True, None)
+    assert 30 < found.commands < 50
+    assert "then a picture was lost" in found.sentence
+
+
+def test_a_recording_without_a_command_is_not_the_same(tmp_path):
+    with World(WorldSettings()) as world:
+        known = replay_settings(shown_goal(world), world.robot, LabSettings(), SafetyLimits())
+    with Recorder(tmp_path / "run.mcap", settings=known):
+        pass
+    found = replayed(tmp_path / "run.mcap")
+    assert not found.same
+    assert "no command" in found.sentence
+
+
+def test_a_recording_that_lacks_frames_is_not_the_same(made, monkeypatch):
+    read = RecordedCamera.read
+
+    def ends(camera, timeout):
+        camera.count = getattr(camera, "count", 0) + 1
+        return read(camera, timeout) if camera.count <= 50 else Missing.ENDED
+
+    monkeypatch.setattr(RecordedCamera, "read", ends)
+    found = replayed(made / "run.mcap")
+    assert (found.same, found.commands) == (False, 50)
+    assert "no more frames" in found.sentence
+
+
+def test_a_real_run_has_the_error_that_was_seen_in_its_summary(made, tmp_path):
+    folder = tmp_path / "frames"
+    folder.mkdir()
+    with World(example_world()) as world:
+        world.place(world.settings.goal)
+        frame = world.camera.read(1.0)
+    assert isinstance(frame, Frame)
+    for k in range(60):  # two seconds
+        cv2.imwrite(str(folder / f"{k:03}.png"), frame.image)
+    with UdpRobotSimulator() as simulator:
+        arguments = ["--camera", str(folder), "--robot", simulator.address, "--no-video", "--quiet"]
+        goal = ["--goal", str(made / "goal.json"), "--out", str(tmp_path / "run")]
+        assert main(["lab", *arguments, *goal]) == 0
+    error = json.loads((tmp_path / "run" / "summary.json").read_text())["image_error"]
+    assert 0.0 <= error["distance_px"] < 1.0
+    assert 0.0 <= error["heading_deg"] < 1.0
 
 
 class Ends:

@@ -8,9 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from parkproof.bounds import Bounds
+from parkproof.lab.arrival import Arrival
 from parkproof.lab.devices import RobotLimits
 from parkproof.lab.image_pose import TagMount
-from parkproof.lab.pilot import Arrival, Course, Pilot, Pulses
+from parkproof.lab.pilot import Course, Pilot, Pulses
 from parkproof.lab.plan import Task, plan_course
 from parkproof.lab.predict import GoalPose, Motion, advanced
 from parkproof.lab.view import ImageView, tag_footprint

@@ -372,14 +372,23 @@ def test_pictures_that_come_too_fast_are_counted_and_the_rest_is_kept(tmp_path: 
 
 
 @pytest.mark.parametrize(
-    "image", [np.zeros((4, 4), np.float64), np.zeros((4, 4, 4), np.uint8), np.zeros(4, np.uint8)]
+    ("image", "shape"),
+    [
+        (np.zeros((4, 4), np.float64), (0, 0)),
+        (np.zeros((4, 4, 4), np.uint8), (0, 0)),
+        (np.zeros(4, np.uint8), (0, 0)),
+        (None, (0, 0)),
+        (np.zeros((4, 5, 1), np.uint8), (4, 5)),
+    ],
 )
-def test_what_is_no_picture_is_one_line(tmp_path: Path, image: Any) -> None:
-    with (
-        Recorder(tmp_path / "run.mcap", settings={}) as recorder,
-        pytest.raises(InputError, match=r"frame of shape .*must be grey"),
-    ):
+def test_what_is_no_picture_is_recorded_as_a_frame_without_a_pixel(
+    tmp_path: Path, image: Any, shape: tuple[int, ...]
+) -> None:
+    with Recorder(tmp_path / "run.mcap", settings={}) as recorder:
         recorder.frame(Frame(image, t=0.0, number=0), arrived=0.0)
+    (taken,) = Recording.open(tmp_path / "run.mcap").entries()
+    assert isinstance(taken, Taken)
+    assert (taken.frame.image.shape, taken.lost) == (shape, False)
 
 
 def test_other_files_are_refused_in_one_line(

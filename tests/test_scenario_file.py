@@ -261,7 +261,7 @@ BAD = [
     (
         '[truth]\nb2 = "one"',
         '[truth] b2: expected a number or a table with kind = "constant", "sine", "square", '
-        '"noise" or "adversary", got a string "one"',
+        '"switched", "noise" or "adversary", got a string "one"',
     ),
     ('[truth]\nb2 = {kind = "sin"}', 'or "adversary", got a string "sin"; did you mean "sine"?'),
     ("[truth]\nalpha = [1, true]", "[truth] alpha[1]: expected a number or a table with kind"),
@@ -272,12 +272,13 @@ BAD = [
     ("[bounds]\nb2 = [0, 1]", "[bounds] b2 = 0.0: must be greater than 0"),
     (
         f'[truth]\ngamma = [{{kind = "sin"}}, {ONE}]',
-        '[truth] gamma[0].kind: expected "constant", "sine", "square", "noise" or "adversary", '
+        '[truth] gamma[0].kind: expected "constant", "sine", "square", "switched", "noise" or '
+        '"adversary", '
         'got a string "sin"; did you mean "sine"?',
     ),
     (
         f"[truth]\ngamma = [{{value = 1}}, {ONE}]",
-        '[truth] gamma[0]: kind is missing; it takes "constant", "sine", "square", "noise" or ',
+        '[truth] gamma[0]: kind is missing; it takes "constant", "sine", "square", "switched", ',
     ),
     (
         f'[truth]\ngamma = [{{kind = "sine", amplitude = 1}}, {ONE}]',
@@ -505,7 +506,7 @@ def test_every_template_runs_as_its_comment_says(kind: str) -> None:
     assert run.outcome is (Outcome.MISSED if kind == "paper" else Outcome.PARKED)
 
 
-@pytest.mark.parametrize("kind", TEMPLATES)
+@pytest.mark.parametrize("kind", [*TEMPLATES, "campaign"])
 def test_every_key_of_a_template_is_explained(kind: str) -> None:
     lines = template(kind).splitlines()
     assert max(map(len, lines)) <= 100

@@ -8,15 +8,8 @@ import pytest
 
 from parkproof.errors import InputError
 from parkproof.lab.image_pose import ImagePose, TagMount, expected, image_pose
-from parkproof.lab.tag import (
-    Detection,
-    Near,
-    TagDetector,
-    Unseen,
-    _Thresholds,
-    near,
-    square_homography,
-)
+from parkproof.lab.tag import Detection, TagDetector, Unseen, _Thresholds
+from parkproof.lab.tag_square import Near, near, square_homography
 from parkproof.model.homography import Homography
 from parkproof.model.unicycle import wrap_angle
 from tag_pictures import picture, view

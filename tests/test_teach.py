@@ -125,15 +125,14 @@ def test_where_the_horizon_is_in_view_only_readable_tags_count() -> None:
 
 
 def test_frames_seen_widen_the_bounds_and_leave_the_earlier_ones(goal: Goal) -> None:
-    inside = image_pose(TO_IMAGE, goal.mount)
-    assert goal.widened(inside) is goal
-    large = inside._replace(a_max=3.0 * goal.gains.a[1] * goal.unit, a_min=inside.a_min)
-    wider = goal.widened(large, margin=1.1)
-    assert wider.gains.a == pytest.approx((goal.gains.a[0], 3.3 * goal.gains.a[1]))
-    assert wider.gains.beta[1] > goal.gains.beta[1]
-    assert wider.gains.beta[0] == pytest.approx(1.0 / wider.gains.beta[1])
-    assert wider.widened(inside) is wider
-    assert goal.gains.a[1] < wider.gains.a[1]
+    inside, unit, gains = image_pose(TO_IMAGE, goal.mount), goal.unit, goal.gains
+    assert gains.widened(inside, unit=unit) is gains
+    large = inside._replace(a_max=3.0 * gains.a[1] * unit, a_min=inside.a_min)
+    wider = gains.widened(large, unit=unit, margin=1.1)
+    assert wider.a == pytest.approx((gains.a[0], 3.3 * gains.a[1]))
+    assert wider.beta[1] > gains.beta[1]
+    assert wider.beta[0] == pytest.approx(1.0 / wider.beta[1])
+    assert wider.widened(inside, unit=unit) is wider
 
 
 # ------------------------------------------------------------------------------- refusals

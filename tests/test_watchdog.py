@@ -1,6 +1,7 @@
 """Limits kept whatever is asked, and a robot that is stopped whatever becomes of the program."""
 
 import math
+import os
 import signal
 import subprocess
 import sys
@@ -187,6 +188,16 @@ def test_a_robot_whose_command_hangs_is_stopped_all_the_same(script):
         wait_until(lambda: script.told == ["stop"])
         script.goes_on.set()
         driver.join()
+        assert script.told[-2:] == [(pytest.approx(0.1), 0.0), "stop"]  # not left driving
+        assert robot.sent == (0.0, 0.0)
+        script.goes_on.clear()
+        told, late = len(script.told), robot.late_stops
+        driver = threading.Thread(target=robot.send, args=(0.4, 0.0))
+        driver.start()
+        wait_until(lambda: "stop" in script.told[told:])  # the next one that hangs as well
+        script.goes_on.set()
+        driver.join()
+        assert robot.late_stops > late
 
 
 def test_in_simulated_time_no_thread_interferes(script):
@@ -281,7 +292,8 @@ DRIVER = """
 import signal, sys, time
 signal.signal(signal.SIGINT, signal.default_int_handler)  # whoever runs the tests may ignore them
 signal.signal(signal.SIGTERM, signal.SIG_DFL)
-signal.signal(signal.SIGHUP, signal.SIG_DFL)
+for name in ("SIGHUP", "SIGQUIT", "SIGTSTP"):
+    signal.signal(getattr(signal, name), signal.SIG_DFL)
 from parkproof.lab.devices import WallClock
 from parkproof.lab.robots import open_robot
 from parkproof.lab.watchdog import StoppingRobot
@@ -350,14 +362,49 @@ def stopped_by_command(simulator: UdpRobotSimulator) -> bool:
 
 @pytest.mark.parametrize(
     ("number", "status"),
-    [(signal.SIGINT, -signal.SIGINT), (signal.SIGTERM, 143), (signal.SIGHUP, 129)],
-    ids=["SIGINT", "SIGTERM", "SIGHUP"],
+    [
+        (signal.SIGINT, -signal.SIGINT),
+        (signal.SIGTERM, 143),
+        (signal.SIGHUP, 129),
+        (signal.SIGQUIT, 131),
+    ],
+    ids=["SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT"],
 )
 def test_a_signal_stops_the_robot(number, status):
     simulator, ended, errors = driven("never", number)
     assert stopped_by_command(simulator)
     assert ended == status
     assert ("KeyboardInterrupt" in errors) == (number == signal.SIGINT)
+
+
+def test_a_program_that_is_suspended_stops_the_robot_first_and_may_go_on():
+    with UdpRobotSimulator(dead_man=60.0) as simulator:
+        command = [sys.executable, "-c", DRIVER.format(timeout="20.0"), simulator.address, "never"]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
+            assert program.stdout is not None
+            try:
+                assert program.stdout.readline() == "driving\n"
+                wait_until(lambda: simulator.velocity == (0.3, 0.5))
+                program.send_signal(signal.SIGTSTP)
+                _, status = os.waitpid(program.pid, os.WUNTRACED)
+                assert os.WIFSTOPPED(status)
+                wait_until(lambda: simulator.velocity == (0.0, 0.0))
+                assert stopped_by_command(simulator)
+                program.send_signal(signal.SIGCONT)
+                wait_until(lambda: simulator.velocity == (0.3, 0.5))
+            finally:
+                program.kill()
+
+
+def test_what_stopped_the_robot_unasked_is_told_once_with_its_time(script):
+    clock = Hands()
+    with StoppingRobot(script, clock=clock, timeout=0.05) as robot:
+        robot.send(0.4, 0.0)
+        assert robot.take_halt() is None
+        wait_until(lambda: robot.late_stops == 1)
+        clock.t += 1.0
+        assert robot.take_halt() == 10.0
+        assert robot.take_halt() is None
 
 
 @pytest.mark.parametrize(("end", "status"), [("exception", 1), ("exit", 7), ("no block", 1)])

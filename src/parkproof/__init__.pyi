@@ -28,6 +28,7 @@ from .model.signals import (
     Noise as Noise,
     Sine as Sine,
     Square as Square,
+    Switched as Switched,
 )
 from .model.truth import Truth as Truth
 from .model.unicycle import Pose as Pose, Velocity as Velocity

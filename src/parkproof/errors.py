@@ -1,7 +1,17 @@
-"""The one exception that a user's input can cause.
+"""The one exception that a user's input can cause, and one for being stopped.
 
 What happens during a run is not an error: see `parkproof.simulation.outcome`.
 """
+
+
+class StoppedError(KeyboardInterrupt):
+    """Ctrl-C or a request to terminate, with what is kept and how to go on.
+
+    Examples
+    --------
+    >>> isinstance(StoppedError("10 of 20 trials are there"), KeyboardInterrupt)
+    True
+    """
 
 
 class InputError(ValueError):

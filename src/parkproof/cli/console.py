@@ -141,6 +141,66 @@ class _Tolerant:
             self._stream.flush()
 
 
+def _stderr_console() -> Console:
+    """A console for bars: what is done matters more than they do."""
+    stream = cast("TextIO", _Tolerant(sys.stderr))
+    return Console(file=stream, markup=False, highlight=False)
+
+
+Count = Callable[[int, int], None]
+"""Called with how many are done, and of how many."""
+
+
+@contextmanager
+def counted(unit: str, *, quiet: bool = False) -> Iterator[Count]:
+    """Show a bar with rate and time left on standard error, if that is a terminal.
+
+    Parameters
+    ----------
+    unit : str
+        What is counted.
+    quiet : bool
+        Show none.
+
+    Yields
+    ------
+    callable
+        Takes how many are done, and of how many; what is done at the first call was done before.
+
+    Examples
+    --------
+    >>> with counted("trials", quiet=True) as count:
+    ...     count(3, 10)
+    """
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    console = _stderr_console()
+    with Progress(
+        TextColumn("{task.description}", markup=False),
+        BarColumn(bar_width=None),
+        TextColumn("{task.fields[rate]}", markup=False),
+        TimeRemainingColumn(),
+        TextColumn("left", markup=False),
+        console=console,
+        transient=True,
+        disable=quiet or not console.is_terminal,
+        expand=True,
+    ) as bar:
+        task = bar.add_task("starting", total=None, start=False, rate="")
+
+        def count(done: int, of: int) -> None:
+            said = f"{done:,} of {of:,} {unit}"
+            if not bar.tasks[task].started:
+                bar.update(task, description=said, total=of, completed=done)
+                bar.start_task(task)
+                return
+            bar.update(task, description=said, completed=done)
+            speed = bar.tasks[task].speed
+            bar.update(task, rate=f"{speed:,.0f} {unit}/s" if speed else "")
+
+        yield count
+
+
 @contextmanager
 def progress(*, quiet: bool = False) -> Iterator[Report]:
     """Show a bar on standard error while something is done, if that is a terminal.
@@ -162,8 +222,7 @@ def progress(*, quiet: bool = False) -> Iterator[Report]:
     """
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-    stream = cast("TextIO", _Tolerant(sys.stderr))  # what is done matters more than the bar
-    console = Console(file=stream, markup=False, highlight=False)
+    console = _stderr_console()
     shown = not quiet and console.is_terminal
     with Progress(
         TextColumn("{task.description}", markup=False),

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from types import FrameType
 from typing import TYPE_CHECKING
 
-from parkproof.errors import InputError
+from parkproof.errors import InputError, StoppedError
 
 if TYPE_CHECKING:
     from cyclopts import CycloptsError
@@ -65,7 +65,9 @@ def guarded(command: Callable[[], int]) -> int:
 def _stopped(number: int, error: BaseException) -> int:
     """Say that a signal stopped the program; the status is what shells make of it."""
     who = "Ctrl-C" if number == signal.SIGINT else signal.Signals(number).name
-    _tell(f"stopped by {who}; no half-written result is left; run the command again", error)
+    told = str(error) if isinstance(error, StoppedError) else ""
+    left = told or "no half-written result is left; run the command again"
+    _tell(f"stopped by {who}; {left}", error)
     return 128 + number
 
 

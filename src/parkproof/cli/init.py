@@ -13,7 +13,7 @@ def init(
     overwrite: bool = False,
     list_kinds: Annotated[bool, Parameter(name="--list")] = False,
 ) -> int:
-    """Write a commented scenario, or a specification for design, that runs as it is.
+    """Write a commented scenario, campaign or other file that runs as it is.
 
     Parameters
     ----------
@@ -50,7 +50,12 @@ def init(
     from parkproof.cli.files import write_file
 
     write_file(out, text, overwrite=overwrite)
-    commands = {"design": "design", "world": "lab --world", "robot": "camera --latency --robot"}
+    commands = {
+        "design": "design",
+        "campaign": "campaign",
+        "world": "lab --world",
+        "robot": "camera --latency --robot",
+    }
     command = commands.get(kind, "park")
     stdout_console().print(f"Wrote {out}; run it with: parkproof {command} {out}", soft_wrap=True)
     return 0

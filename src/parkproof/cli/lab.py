@@ -79,7 +79,7 @@ def lab(
     from parkproof.cli.lab_results import LabResults, summary_facts
     from parkproof.errors import InputError
     from parkproof.extras import require
-    from parkproof.lab.loop import LabOutcome
+    from parkproof.lab.outcome import LabOutcome
     from parkproof.lab.settings import read_settings
     from parkproof.output import output_directory
 
@@ -161,7 +161,7 @@ def _simulated(
                 wanted=wanted,
             )
 
-        judged = results.carry_out(goal, world.robot, run, realtime=False)
+        judged = results.carry_out(goal, world.robot, world.clock, run, realtime=False)
     return judged.run, results.write(
         goal, judged.run, image_error=judged.image_error, true_error=judged.true_error
     )
@@ -194,7 +194,7 @@ def _real(
                 watch=watch,
             )
 
-        finished = results.carry_out(goal, robot, run, realtime=True)
+        finished = results.carry_out(goal, robot, WallClock(), run, realtime=True)
     finally:
         camera.close()
     error = last_error(finished.samples, unit=goal.unit)

@@ -1,5 +1,6 @@
 """What a run of the laboratory leaves in its directory, and its table for people."""
 
+import time
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -10,6 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from parkproof.cli.console import Report
+    from parkproof.lab.devices import Clock
     from parkproof.lab.goal import Goal
     from parkproof.lab.loop import Finished, Watch
     from parkproof.lab.settings import LabSettings
@@ -49,11 +51,13 @@ class LabResults:
         self._sound = sound
         self._report, self._video, self._recording = report, video, recording
         self._notes: list[str] = []
+        self._known: dict[str, Any] = {}
 
     def carry_out(
         self,
         goal: "Goal",
         robot: Any,
+        clock: "Clock",
         run: "Callable[[Any, Watch], _Found]",
         *,
         realtime: bool,
@@ -66,6 +70,8 @@ class LabResults:
             Where to park.
         robot : Robot or AcceleratedRobot
             What is driven.
+        clock : Clock
+            Of the loop.
         run : callable
             Takes a recorder and a watch.
         realtime : bool
@@ -82,14 +88,19 @@ class LabResults:
         from parkproof.lab.safety import SafetyLimits
 
         goal.write(self.directory / "goal.json")
+        self._known = replay_settings(goal, robot, self.settings, SafetyLimits())
         recorder = film = None
         try:
             with ExitStack() as stack:
                 if self._recording:
-                    known = replay_settings(goal, robot, self.settings, SafetyLimits())
                     path = self.directory / "run.mcap"
                     recorder = stack.enter_context(
-                        Recorder(path, settings=known, realtime=realtime)
+                        Recorder(
+                            path,
+                            settings=self._known,
+                            epoch=time.time() - clock.now(),
+                            realtime=realtime,
+                        )
                     )
                 if self._video:
                     path = self.directory / "run.mp4"
@@ -154,7 +165,7 @@ class LabResults:
         dict
             The summary.
         """
-        from parkproof.lab.loop import LabOutcome
+        from parkproof.lab.outcome import LabOutcome
         from parkproof.lab.summary import (
             LabRun,
             Setting,
@@ -180,6 +191,7 @@ class LabResults:
             true_error=true_error,
             events=finished.events,
             notes=[*self._notes, *([finished.note] if finished.note else [])],
+            settings=self._known,
         )
         write_summary(run, self.directory / "summary.json")
         write_trajectory(run, self.directory / "trajectory.parquet")
@@ -222,7 +234,7 @@ def summary_facts(summary: dict[str, Any]) -> list[tuple[str, str]]:
             "frames",
             f"{frames['seen']} with the tag, {frames['without_tag']} without, "
             f"{frames['dropped']} dropped"
-            + ("" if unseen is None else f", {unseen} with the robot out of view"),
+            + ("" if unseen is None else f", {unseen} with the tag out of view"),
         )
     )
     if latency:

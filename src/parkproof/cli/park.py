@@ -1,14 +1,9 @@
 """``parkproof park``: carry out one run."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from cyclopts import Parameter
-
-if TYPE_CHECKING:
-    from parkproof.cli.console import Report
-    from parkproof.scenario import Scenario
-    from parkproof.simulation.run import Run
 
 
 def park(
@@ -60,15 +55,16 @@ def park(
     0
     """
     from parkproof.cli.console import print_files, progress, stdout_console, write
+    from parkproof.cli.run_files import carry_out, draw
     from parkproof.output import output_directory
     from parkproof.scenario_file import read_scenario
 
     given = read_scenario(scenario, overrides=settings or ())
     directory = Path("runs") / scenario.stem if out is None else out
     with output_directory(directory, overwrite=overwrite) as work, progress(quiet=quiet) as report:
-        run = _carry_out(given, work, report)
+        run = carry_out(given, work, report)
         if not no_pictures:
-            _draw(run, work, report)
+            draw(run, work, report)
         names = sorted(path.name for path in work.iterdir())
         text = (work / "summary.json").read_text(encoding="utf-8")
     if as_json:
@@ -80,34 +76,3 @@ def park(
         print_run(console, run)
         print_files(console, directory, names)
     return 1 if check and run.outcome.value != "parked" else 0
-
-
-def _carry_out(scenario: "Scenario", directory: Path, report: "Report") -> "Run":
-    """Simulate, and write the run's numbers."""
-    from parkproof.results import write_summary, write_trajectory
-    from parkproof.scenario_file import to_toml
-    from parkproof.simulation.run import simulate
-
-    report("simulating", 0.0)
-    run = simulate(scenario, progress=lambda fraction: report("simulating", fraction))
-    report("writing", 0.0)
-    write_summary(run, directory / "summary.json")
-    write_trajectory(run, directory / "trajectory.parquet")
-    (directory / "scenario.toml").write_text(to_toml(scenario), encoding="utf-8")
-    return run
-
-
-def _draw(run: "Run", directory: Path, report: "Report") -> None:
-    """Draw all pictures of a run."""
-    from parkproof.report.animation import animation
-    from parkproof.report.figures import paper_figures, plot
-    from parkproof.report.path_picture import path_picture
-
-    report("drawing", 0.0)
-    paper_figures(run, directory)
-    report("drawing", 0.5)
-    for ending in ("png", "svg"):
-        path_picture(run, directory / f"path.{ending}")
-    plot(run, directory / "overview.png")
-    report("drawing the animation", 0.8)
-    animation(run, directory / "animation.gif")

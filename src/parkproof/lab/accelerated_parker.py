@@ -4,14 +4,15 @@ import math
 
 from parkproof.bounds import Bounds
 from parkproof.lab.accelerated_pilot import AcceleratedPilot, accelerated_time
-from parkproof.lab.devices import AcceleratedRobot, Robot, RobotLimits
+from parkproof.lab.devices import RobotLimits
 from parkproof.lab.estimate import Estimate, Estimator
 from parkproof.lab.goal import Goal
 from parkproof.lab.observer import AcceleratedEstimator
 from parkproof.lab.parker import Parker
 from parkproof.lab.pilot import Course
 from parkproof.lab.safety import SafetyLimits
-from parkproof.lab.settings import CommandedBy, LabSettings
+from parkproof.lab.settings import LabSettings
+from parkproof.lab.stall import AcceleratedStallWatch, StallWatch
 
 STANDING, STANDING_TURN = 0.01, 0.1
 """Speed in m/s and turn rate in rad/s below which a robot that brakes is taken to stand."""
@@ -21,6 +22,10 @@ QUICKEST = 0.6
 
 BRAKE = (math.nan, math.nan)
 """What the history holds in place of accelerations while the robot brakes."""
+
+
+IDLE = (0.0, 0.0)
+"""Inputs of the law while it is not in force."""
 
 
 class AcceleratedParker(Parker):
@@ -48,38 +53,45 @@ class AcceleratedParker(Parker):
         settings: LabSettings | None = None,
         safety: SafetyLimits | None = None,
     ) -> None:
-        super().__init__(goal, limits, settings, safety)
-        self._thrust: tuple[float, float] | None = None
+        super().__init__(goal, limits, settings, safety, drive=accelerated_time, quickest=QUICKEST)
         self._driver: AcceleratedPilot | None = None
-
-    _in_advance = staticmethod(accelerated_time)
-    _quickest = QUICKEST
+        self._now.tau = IDLE
 
     def _new_estimator(self) -> Estimator:
         self._observer = AcceleratedEstimator(delay=self._settings.delay)
         return self._observer
 
-    @property
-    def _accelerations(self) -> tuple[float, float] | None:
-        return self._thrust
+    def _new_stall_watch(self) -> StallWatch:
+        return AcceleratedStallWatch(
+            self._limits,
+            delay=self._settings.delay,
+            motor_error=self._settings.motor_error,
+            disturbance=self._settings.disturbance,
+        )
 
     def _remember(self, now: float) -> None:
-        self._history.add(now, *(self._thrust or BRAKE))
+        self._history.add(now, *(self._now.accelerations or BRAKE))
+
+    def carried_out(self, sent: tuple[float, float] | None, *, halted: float | None = None) -> None:
+        """See `Parker.carried_out`."""
+        self._now.accelerations = sent
+        self._history.replace_last(*(sent or BRAKE), halted=halted, rest=BRAKE)
 
     def _held(self) -> tuple[float, float]:
         """No acceleration while nothing new is seen: its speed would grow unseen."""
-        if self._thrust is not None:
-            self._thrust = (0.0, 0.0)
+        self._now.tau = IDLE
+        if self._now.accelerations is not None:
+            self._now.accelerations = (0.0, 0.0)
         return self._now.sent
 
     def _slowed(self, _dt: float) -> tuple[float, float]:
         """Brake."""
-        self._thrust = None
+        self._now.accelerations, self._now.tau = None, IDLE
         return 0.0, 0.0
 
     def _stands(self, estimate: Estimate) -> bool:
         return (
-            self._thrust is None
+            self._now.accelerations is None
             and abs(estimate.v) <= STANDING * estimate.a
             and abs(estimate.omega) <= STANDING_TURN * estimate.beta
         )
@@ -89,13 +101,15 @@ class AcceleratedParker(Parker):
         asked = self._driver.step(now, estimate.ahead, estimate.moving, beta=estimate.beta)
         self._in_step(asked.step, now)
         moving = estimate.moving
-        if alarm := self._guard.of_motion(estimate, moving.v, moving.omega, scale=self._scale):
+        if alarm := self._guard.of_motion(
+            estimate, moving.v, moving.omega, scale=self._tracker.scale, step=asked.step
+        ):
             self._stop(alarm, now)
             return self._slowed(dt)
         self._arrived(asked.parked, now)
         if asked.parked:
             return self._slowed(dt)
-        self._thrust = (asked.v_dot, asked.omega_dot)
+        self._now.accelerations, self._now.tau = (asked.v_dot, asked.omega_dot), asked.tau
         return estimate.moving.v, estimate.moving.omega
 
     def _take_pilot(self, course: Course) -> None:
@@ -104,57 +118,16 @@ class AcceleratedParker(Parker):
             self._bounds(self._settings.motor_error, 1.0),
             self._limits,
             side=self._goal.mount.side,
-            period=1.0 / self._settings.rate,
+            period=self.period,
             arrival=self._arrival,
         )
 
-    def _bounds(self, error: float, share: float) -> Bounds:
+    def _bounds(self, error: float, share: float, middle: float = 0.5) -> Bounds:
         """Bounds of a; and of γ and φ, in tag sides and rad, with the motors' whole error."""
         motors = 1.0 - self._settings.motor_error, 1.0 + self._settings.motor_error
         push, twist = self._settings.disturbance
         return Bounds(
-            alpha=super()._bounds(error, share).alpha_of(0),
+            alpha=super()._bounds(error, share, middle).alpha_of(0),
             gamma=motors,
             disturbance=(push / self._goal.mount.side, twist),
         )
-
-
-def commanded_by(robot: Robot | AcceleratedRobot) -> CommandedBy:
-    """What a robot takes.
-
-    Parameters
-    ----------
-    robot : Robot or AcceleratedRobot
-        The robot.
-
-    Returns
-    -------
-    str
-        "velocity" or "torque".
-    """
-    return "torque" if isinstance(robot, AcceleratedRobot) else "velocity"
-
-
-def parker_for(
-    commanded: CommandedBy,
-    goal: Goal,
-    limits: RobotLimits,
-    settings: LabSettings | None = None,
-    safety: SafetyLimits | None = None,
-) -> Parker:
-    """Make the parker for a kind of robot.
-
-    Parameters
-    ----------
-    commanded : "velocity" or "torque"
-        What the robot takes.
-    goal, limits, settings, safety
-        See `parkproof.lab.parker.Parker`.
-
-    Returns
-    -------
-    Parker
-        The parker.
-    """
-    kind = AcceleratedParker if commanded == "torque" else Parker
-    return kind(goal, limits, settings, safety)

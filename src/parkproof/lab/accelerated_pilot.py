@@ -8,10 +8,11 @@ import math
 from typing import NamedTuple
 
 from parkproof.bounds import Bounds
+from parkproof.lab.arrival import Arrival, Resting
 from parkproof.lab.devices import RobotLimits
 from parkproof.lab.limits import limited_acceleration
-from parkproof.lab.pilot import HOLD, STAGE_GAIN, STAGE_NEAR, STAGE_SPEED, Arrival, Course
-from parkproof.lab.plan import PERIOD, STEEPEST, Task
+from parkproof.lab.pilot import STAGE_GAIN, STAGE_NEAR, STAGE_SPEED, Course
+from parkproof.lab.plan import Task, rehearsed
 from parkproof.lab.predict import GoalPose, Motion, Moving, advanced
 from parkproof.laws.controller import Controller, measured_pose
 from parkproof.model.unicycle import wrap_angle
@@ -40,12 +41,15 @@ class Thrust(NamedTuple):
         Step of the law; −1 on a straight leg before it begins.
     parked : bool
         Whether the robot is to brake, and rest at the goal.
+    tau : two floats
+        The inputs of the law; 0 while it is not in force.
     """
 
     v_dot: float
     omega_dot: float
     step: int
     parked: bool
+    tau: tuple[float, float] = (0.0, 0.0)
 
 
 class AcceleratedPilot:
@@ -98,12 +102,12 @@ class AcceleratedPilot:
             discretisation="implicit",
             robot="torque",
         )
-        self._limits, self._side, self._arrival, self._period = limits, side, arrival, period
+        self._limits, self._side, self._period = limits, side, period
+        self._resting = Resting(arrival)
         self._most = max(bounds.gamma_of(0)[1], bounds.gamma_of(1)[1])
         self._friction = bounds.disturbance_of(0) * side
         self._stage = course.stage
         self._from: GoalPose | None = None
-        self._parked = False
 
     def step(self, t: float, pose: GoalPose, moving: Moving, *, beta: float) -> Thrust:
         """What to send now.
@@ -130,12 +134,14 @@ class AcceleratedPilot:
         command = self._controller.step(
             measured_pose(t, *pose, v=v / self._side, omega=beta * omega, beta=beta)
         )
-        if self._resting(command.step, pose, v, omega):
+        slow = abs(v) <= SLOW * self._limits.speed and abs(omega) <= SLOW * self._limits.turn_rate
+        if self._resting.update(command.step, pose, slow=slow):
             return Thrust(0.0, 0.0, command.step, True)
         asked = command.acceleration * self._side, command.turn_acceleration
-        return self._cut(*asked, moving, command.step)
+        sent = self._cut(*asked, moving)
+        return Thrust(*sent, command.step, False, (command.tau1, command.tau2))
 
-    def _cut(self, v_dot: float, omega_dot: float, moving: Moving, step: int) -> Thrust:
+    def _cut(self, v_dot: float, omega_dot: float, moving: Moving) -> tuple[float, float]:
         """What may be sent of an acceleration, whatever is asked."""
         wanted = limited_acceleration(
             v_dot, omega_dot, moving.v, moving.omega, self._period, self._limits, share=HEADROOM
@@ -146,8 +152,7 @@ class AcceleratedPilot:
             (turning.own * wanted[0] - along.cross * wanted[1]) / even, 0.0, moving
         )
         # what the motors then make of it beside is taken off, not what they would of more
-        sent = self._within(first, (wanted[1] - turning.cross * first) / turning.own, moving)
-        return Thrust(*sent, step, False)
+        return self._within(first, (wanted[1] - turning.cross * first) / turning.own, moving)
 
     def _within(self, v_dot: float, omega_dot: float, moving: Moving) -> tuple[float, float]:
         """What may be sent, with motors that give more than they are told."""
@@ -161,19 +166,6 @@ class AcceleratedPilot:
             gain=self._most,
             share=HEADROOM,
         )
-
-    def _resting(self, step: int, pose: GoalPose, v: float, omega: float) -> bool:
-        """Whether the robot is parked, with hysteresis."""
-        position, heading, release = self._arrival
-        wide = release if self._parked else 1.0
-        slow = abs(v) <= SLOW * self._limits.speed and abs(omega) <= SLOW * self._limits.turn_rate
-        self._parked = (
-            step == HOLD
-            and (slow or self._parked)
-            and math.hypot(pose.x, pose.y) <= wide * position
-            and abs(pose.theta) <= wide * heading
-        )
-        return self._parked
 
     def _straight(self, pose: GoalPose, moving: Moving, beta: float) -> Thrust:
         """The leg before the law."""
@@ -191,7 +183,8 @@ class AcceleratedPilot:
         if speed > 0.0 and abs(v) <= SLOW * self._limits.speed:  # against friction
             push += math.copysign(self._friction, more)
         off = wrap_angle(pose.theta - self._from.theta) / beta
-        return self._cut(push, -FOLLOWING * (omega + STRAIGHT * off), moving, -1)
+        sent = self._cut(push, -FOLLOWING * (omega + STRAIGHT * off), moving)
+        return Thrust(*sent, -1, False)
 
 
 def accelerated_time(
@@ -220,27 +213,16 @@ def accelerated_time(
         How long it takes in s; None if it leaves the view or takes too long.
     """
     pilot = AcceleratedPilot(
-        course, task.bounds, task.limits, side=task.side, period=PERIOD, arrival=task.arrival
+        course, task.bounds, task.limits, side=task.side, period=task.period, arrival=task.arrival
     )
-    room = task.view.room(task.footprint, *pose) - task.margin
-    t, turned, v, omega = 0.0, False, 0.0, 0.0
-    while t < longest:
+    v = omega = 0.0
+
+    def move(t: float, pose: GoalPose) -> tuple[int, GoalPose]:
+        nonlocal v, omega
         asked = pilot.step(t, pose, Moving(v, omega), beta=1.0)
-        if asked.step == 0 and turned:
-            return None  # it had to turn again
-        turned = turned or asked.step > 0
-        if asked.step in {1, 2} and abs(pose.theta) > STEEPEST:
-            return None
-        if asked.step == HOLD:
-            return t
         before = v, omega
-        v, omega = v + PERIOD * asked.v_dot, omega + PERIOD * asked.omega_dot
-        pose = advanced(
-            pose, PERIOD, 0.5 * a * (before[0] + v) / task.side, 0.5 * (before[1] + omega)
-        )
-        clearance = task.view.room(task.footprint, *pose) - task.margin
-        if clearance < min(0.0, room) - 1e-9:
-            return None
-        room = max(room, min(0.0, clearance))
-        t += PERIOD
-    return None
+        v, omega = v + task.period * asked.v_dot, omega + task.period * asked.omega_dot
+        speed, turn = 0.5 * a * (before[0] + v) / task.side, 0.5 * (before[1] + omega)
+        return asked.step, advanced(pose, task.period, speed, turn)
+
+    return rehearsed(task, pose, longest, move)

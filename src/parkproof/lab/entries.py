@@ -90,6 +90,10 @@ class Commanded(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, t
     accelerations : two floats or None
         v̇ in m/s² and ω̇ in rad/s² for a robot that takes them; None if it was told to brake, and
         for one that takes velocities.
+    asked : two floats or None
+        What the law asked where the watchdog sent something else: v and ω, or v̇ and ω̇.
+    halted : float or None
+        When the robot was stopped unasked since the command before, in s.
     """
 
     t: float
@@ -97,6 +101,8 @@ class Commanded(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, t
     omega: float
     step: int
     accelerations: tuple[float, float] | None = None
+    asked: tuple[float, float] | None = None
+    halted: float | None = None
 
 
 class Event(msgspec.Struct, frozen=True, kw_only=True, tag="event"):

@@ -7,10 +7,12 @@ from typing import Self
 
 import numpy as np
 
+from parkproof.lab.answer import Answer, Phase
 from parkproof.lab.devices import Frame, Image, Missing
 from parkproof.lab.goal import Goal
 from parkproof.lab.overlay import Bar, Overlay, overlay
-from parkproof.lab.parker import Answer, Phase
+from parkproof.lab.picture import as_picture
+from parkproof.lab.tag_square import SQUARE
 from parkproof.lab.video import RunVideo, strip
 from parkproof.model.homography import Homography
 
@@ -56,9 +58,7 @@ class Film:
         self._every, self._count = 1, 0
         self._parked_since: float | None = None
         tag = Homography(goal.homography)
-        self._goal_tag = np.array(
-            [tag.project(i, j) for i, j in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))]
-        )
+        self._goal_tag = np.array([tag.project(i, j) for i, j in SQUARE])
 
     def __enter__(self) -> Self:
         return self
@@ -94,15 +94,16 @@ class Film:
                 self._course_began, self._foreseen = answer.t, answer.foreseen
         if isinstance(reading, Missing):
             return
-        info = self._overlay(answer)
-        self._video.add(reading.image, info)
+        info, image = self._overlay(answer), as_picture(reading.image)
+        self._video.add(image, info)
         if answer.phase is Phase.PARKED:
             self._parked_since = self._parked_since or answer.t
         else:
             self._parked_since = None
         rested = self._parked_since is not None and answer.t - self._parked_since > RESTED
-        if self._count % self._every == 0 and not rested:
-            self._kept.append((reading.image.copy(), info))
+        whole = image.shape[1::-1] == self._goal.picture
+        if self._count % self._every == 0 and not rested and whole:
+            self._kept.append((image.copy(), info))
             if len(self._kept) > KEPT:
                 del self._kept[1::2]
                 self._every *= 2

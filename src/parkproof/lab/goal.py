@@ -8,12 +8,12 @@ of the tag that the robot drives, so about 1 near the goal.
 from pathlib import Path
 
 import msgspec
-import numpy as np
 from msgspec.structs import force_setattr
 
 from parkproof.errors import InputError
 from parkproof.lab.devices import Image
 from parkproof.lab.image_pose import ImagePose, TagMount
+from parkproof.lab.picture import checked_picture
 from parkproof.model.goal_frame import gain_bounds, goal_similarity
 from parkproof.model.homography import Homography, Nine, numbers
 from parkproof.model.image_unicycle import ImageUnicycle
@@ -60,8 +60,9 @@ class GainRange(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
             positive(f"gains.{name}[0]", low)
             force_setattr(self, name, (low, high))
 
-    def widened(self, pose: ImagePose, *, unit: float, margin: float = SEEN_MARGIN) -> "GainRange":
-        """Bounds that also hold what a frame shows, at its place for all headings.
+    @classmethod
+    def shown_by(cls, pose: ImagePose, *, unit: float, margin: float = SEEN_MARGIN) -> "GainRange":
+        """Bounds that hold what a frame shows, at its place for all headings.
 
         Parameters
         ----------
@@ -75,6 +76,30 @@ class GainRange(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
         Returns
         -------
         GainRange
+            In goal coordinates.
+
+        Examples
+        --------
+        >>> pose = ImagePose(9.0, 9.0, 0.0, beta=-1.0, a=60.0, side=50.0, a_min=40.0, a_max=60.0)
+        >>> GainRange.shown_by(pose, unit=40.0, margin=1.0)
+        GainRange(a=(1.0, 1.5), beta=(0.6666666666666666, 1.5))
+        """
+        ratio = pose.a_max / pose.a_min * margin
+        return cls(
+            a=(pose.a_min / unit / margin, pose.a_max / unit * margin), beta=(1.0 / ratio, ratio)
+        )
+
+    def widened(self, pose: ImagePose, *, unit: float, margin: float = SEEN_MARGIN) -> "GainRange":
+        """Bounds that also hold what a frame shows.
+
+        Parameters
+        ----------
+        pose, unit, margin
+            As for `shown_by`.
+
+        Returns
+        -------
+        GainRange
             This one, if it holds all of it already.
 
         Examples
@@ -83,19 +108,12 @@ class GainRange(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
         >>> GainRange(a=(0.8, 1.25), beta=(0.9, 1.1)).widened(pose, unit=40.0, margin=1.0)
         GainRange(a=(0.8, 1.5), beta=(0.6666666666666666, 1.5))
         """
-        low, high = pose.a_min / unit / margin, pose.a_max / unit * margin
-        ratio = pose.a_max / pose.a_min * margin
-        if (
-            self.a[0] <= low
-            and high <= self.a[1]
-            and self.beta[0] <= 1.0 / ratio
-            and (ratio <= self.beta[1])
-        ):
-            return self
-        return GainRange(
-            a=(min(self.a[0], low), max(self.a[1], high)),
-            beta=(min(self.beta[0], 1.0 / ratio), max(self.beta[1], ratio)),
+        more = GainRange.shown_by(pose, unit=unit, margin=margin)
+        wide = GainRange(
+            a=(min(self.a[0], more.a[0]), max(self.a[1], more.a[1])),
+            beta=(min(self.beta[0], more.beta[0]), max(self.beta[1], more.beta[1])),
         )
+        return self if wide == self else wide
 
 
 def extrapolation_margin(unit: float) -> float:
@@ -216,7 +234,8 @@ class Goal(
     a, beta : float
         Gains at the goal, in goal coordinates: a near 1, β > 0.
     gains : GainRange
-        Bounds of the gains over the view.
+        Bounds of the gains over the view, as far as one frame lets expect: for information. Courses
+        are planned with what frames have shown.
 
     Raises
     ------
@@ -302,24 +321,6 @@ class Goal(
         edges = ((-0.5, -0.5), (right, -0.5), (right, bottom), (-0.5, bottom))
         return [similarity.project(u, v) for u, v in edges]
 
-    def widened(self, pose: ImagePose, *, margin: float = SEEN_MARGIN) -> "Goal":
-        """Goal whose bounds of the gains also hold what a frame shows.
-
-        Parameters
-        ----------
-        pose : ImagePose
-            The robot in that frame, px.
-        margin : float
-            As in `GainRange.widened`.
-
-        Returns
-        -------
-        Goal
-            This one, if its bounds hold all of it already.
-        """
-        gains = self.gains.widened(pose, unit=self.unit, margin=margin)
-        return self if gains is self.gains else msgspec.structs.replace(self, gains=gains)
-
     def check_picture(self, image: Image) -> None:
         """Raise unless a picture has the size of the goal's.
 
@@ -331,9 +332,9 @@ class Goal(
         Raises
         ------
         InputError
-            If its size is another: pixels would then mean other places.
+            If it is no picture, or its size is another: pixels would then mean other places.
         """
-        height, width = np.shape(image)[:2]
+        height, width = checked_picture(image).shape[:2]
         if (width, height) != self.picture:
             raise InputError(
                 f"picture of {width} × {height} pixels: the goal was taught with "

@@ -1,7 +1,7 @@
 """From the homography of a tag to the image pose of the robot: no PnP, no intrinsics.
 
-The homography H takes the tag's frame (`parkproof.lab.tag`) to pixels. With m the middle of the
-axle in the tag's frame, e the robot's forward direction there, and J the Jacobian of H at m:
+The homography H takes the tag's frame (`parkproof.lab.tag_square`) to pixels. With m the middle of
+the axle in the tag's frame, e the robot's forward direction there, and J the Jacobian of H at m:
 (u, v) = H(m), ψ is the direction of J e, a = |J e| and β = det J/a²
 (`parkproof.model.image_unicycle`). The tag's scale cancels in β and in ψ.
 """
@@ -13,14 +13,12 @@ import msgspec
 from msgspec.structs import force_setattr
 
 from parkproof.errors import InputError
-from parkproof.lab.tag import SLACK, TAGS, Near, near
+from parkproof.lab.tag import TAGS
+from parkproof.lab.tag_square import SLACK, SQUARE, Near, near
 from parkproof.model.homography import Homography, homography_jacobian, numbers
 from parkproof.model.image_unicycle import image_direction
 from parkproof.model.unicycle import wrap_angle
 from parkproof.validate import finite, positive
-
-SQUARE = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))
-"""Corners of the tag in its frame."""
 
 FARTHEST = 20.0
 """Largest distance of axle and tag, in sides; beyond it the offset was surely given in another
@@ -163,7 +161,7 @@ def image_pose(homography: Homography, mount: TagMount) -> ImagePose:
 
     Examples
     --------
-    >>> from parkproof.lab.tag import square_homography
+    >>> from parkproof.lab.tag_square import square_homography
     >>> shown = square_homography(((10.0, 50.0), (50.0, 50.0), (50.0, 10.0), (10.0, 10.0)))
     >>> pose = image_pose(shown, TagMount(offset=(-0.5, 0.0), angle=math.pi / 2))
     >>> pose.u, pose.v, round(pose.psi, 4), pose.beta, pose.a

@@ -3,6 +3,7 @@
 import atexit
 import threading
 import time
+from contextlib import suppress
 from typing import Any, Protocol
 
 from parkproof.errors import InputError
@@ -122,9 +123,12 @@ class LiveCamera:
                     return
                 self._show(Frame(colours(image), t=t, number=number))
                 number += 1
-        finally:
-            self._capture.release()
             self._end(f"{self._name} gives no frames any more, after {number}: unplugged?")
+        except Exception as error:  # drivers raise what they like; a reader waits
+            self._end(f"{self._name} failed after {number} frames: {error}")
+        finally:
+            with suppress(Exception):  # nothing is left to be done about it
+                self._capture.release()
 
     def _show(self, frame: Frame) -> None:
         with self._change:

@@ -1,6 +1,5 @@
 """The loop of the laboratory: a frame in, a command out, until the robot is parked and held."""
 
-import enum
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -9,7 +8,9 @@ from typing import Any
 import msgspec
 
 from parkproof.errors import InputError
-from parkproof.lab.accelerated_parker import commanded_by, parker_for
+from parkproof.lab.accelerated_watchdog import stopping
+from parkproof.lab.answer import Answer, Phase
+from parkproof.lab.carry_out import carry_out
 from parkproof.lab.devices import (
     AcceleratedRobot,
     Camera,
@@ -21,57 +22,19 @@ from parkproof.lab.devices import (
 )
 from parkproof.lab.entries import Event
 from parkproof.lab.goal import Goal
-from parkproof.lab.parker import Answer, Phase
+from parkproof.lab.outcome import LabOutcome
+from parkproof.lab.parker_for import commanded_by, parker_for
 from parkproof.lab.record import Recorder
 from parkproof.lab.safety import SafetyLimits
 from parkproof.lab.settings import LabSettings
 from parkproof.lab.summary import FrameCounts, Sample
 from parkproof.lab.unseen import why_unseen
-from parkproof.lab.watchdog import StoppingAcceleratedRobot, StoppingRobot, stopping
 
 DEAD_MAN = 0.3
 """Time without a command in s after which a thread stops a real robot."""
 
 PATIENCE = 1.5
 """How many frame periods the camera is waited for."""
-
-
-class LabOutcome(enum.Enum):
-    """How a run of the laboratory ended.
-
-    Examples
-    --------
-    >>> LabOutcome.REFUSED.sentence
-    'Refused before it moved: no course from the start stays inside the picture.'
-    """
-
-    PARKED = "parked"
-    REFUSED = "refused"
-    GAVE_UP = "gave up"
-    STILL_MOVING = "still moving"
-    NEVER_SEEN = "never seen"
-    CAMERA_ENDED = "camera ended"
-    ROBOT_SILENT = "robot silent"
-    INTERRUPTED = "interrupted"
-
-    @property
-    def sentence(self) -> str:
-        """In words."""
-        return _SENTENCES[self]
-
-
-_SENTENCES = {
-    LabOutcome.PARKED: "Parked, and held there.",
-    LabOutcome.REFUSED: (
-        "Refused before it moved: no course from the start stays inside the picture."
-    ),
-    LabOutcome.GAVE_UP: "Stopped on the way: no course from there stays inside the picture.",
-    LabOutcome.STILL_MOVING: "The time ran out before the robot was parked and held.",
-    LabOutcome.NEVER_SEEN: "The robot's tag was never seen, and the robot did not move.",
-    LabOutcome.CAMERA_ENDED: "The camera ended; the robot was stopped.",
-    LabOutcome.ROBOT_SILENT: "The robot does not answer.",
-    LabOutcome.INTERRUPTED: "Interrupted; the robot was stopped.",
-}
 
 
 @dataclass
@@ -95,8 +58,8 @@ class Finished:
     events : list of Event
         What happened; times from the beginning.
     note : str
-        What the robot said when it fell silent, why the camera ended, or what was seen in place of
-        the robot's tag.
+        What the robot said when it fell silent, why the run was given up or the camera ended, or
+        what was seen in place of the robot's tag.
     stopped_by : str
         The signal that interrupted it, as in "SIGINT"; empty if none did.
     """
@@ -185,11 +148,11 @@ def run_lab(
         try:
             run.begin(watched.now())
             while run.outcome is None:
-                reading = eye.read(PATIENCE / settings.rate)
+                reading = eye.read(min(PATIENCE * parker.period, safety.patience))
                 now = watched.now()
                 started = time.perf_counter()
                 answer = parker.step(reading, now)
-                _carry_out(safe, answer)
+                answer = carry_out(safe, parker, answer)
                 run.take(reading, now, answer, time.perf_counter() - started)
         except RobotSilentError as error:
             run.outcome, run.finished.note = LabOutcome.ROBOT_SILENT, str(error)
@@ -203,16 +166,6 @@ def run_lab(
     run.finished.note = "; ".join(filter(None, notes)) or run.finished.note
     run.finished.stopped_by = safe.stopped_by
     return run.end()
-
-
-def _carry_out(safe: StoppingRobot | StoppingAcceleratedRobot, answer: Answer) -> None:
-    """Send a command."""
-    if isinstance(safe, StoppingRobot):
-        safe.send(answer.v, answer.omega)
-    elif answer.accelerations is None:
-        safe.brake()
-    else:
-        safe.accelerate(*answer.accelerations)
 
 
 def _why_unseen(frame: Frame | None, goal: Goal) -> str:
@@ -280,7 +233,10 @@ class _Run:
         if reading is Missing.ENDED:
             return LabOutcome.CAMERA_ENDED
         if answer.phase is Phase.REFUSED and (answer.v, answer.omega) == (0.0, 0.0):
-            return LabOutcome.GAVE_UP if self._courses else LabOutcome.REFUSED
+            if not self._courses:
+                return LabOutcome.REFUSED
+            run.note = next(e.sentence for e in reversed(run.events) if e.name == "refused")
+            return LabOutcome.GAVE_UP
         if run.parked_at is not None and now - run.parked_at >= settings.hold:
             return LabOutcome.PARKED
         if not run.samples and now - run.began >= min(settings.wait, settings.duration):
@@ -314,6 +270,7 @@ def _sample(answer: Answer, began: float) -> Sample:
         omega=answer.omega,
         step=max(answer.step, 0),
         beta=estimate.beta,
+        tau=answer.tau,
     )
 
 
@@ -326,6 +283,7 @@ def _record(recorder: Recorder, reading: Frame | Missing, now: float, answer: An
         estimate = answer.estimate
         recorder.measured(
             reading.t,
+            image=answer.image,
             corners=None if answer.tag is None else answer.tag.corners,
             estimate=None if estimate is None else estimate.pose,
             prediction=None if estimate is None else estimate.ahead,
@@ -334,5 +292,11 @@ def _record(recorder: Recorder, reading: Frame | Missing, now: float, answer: An
     for event in answer.events:
         recorder.event(event.t, event.name, event.sentence, level=event.level)
     recorder.command(
-        answer.t, answer.v, answer.omega, answer.step, accelerations=answer.accelerations
+        answer.t,
+        answer.v,
+        answer.omega,
+        answer.step,
+        accelerations=answer.accelerations,
+        asked=answer.asked,
+        halted=answer.halted,
     )

@@ -9,34 +9,16 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 from parkproof.bounds import Bounds
+from parkproof.lab.arrival import Arrival, Resting
 from parkproof.lab.devices import RobotLimits
 from parkproof.lab.limits import limited
 from parkproof.lab.predict import GoalPose, Motion
 from parkproof.laws.controller import Controller, measured_pose
 from parkproof.laws.gains import Gains, Switching
 
-HOLD = 4
-"""The step in which the law holds a parked robot."""
-
 STAGE_SPEED, STAGE_GAIN, STAGE_NEAR = 0.5, 1.5, 0.05
 """A straight leg: its largest speed as a share of the limit, speed per distance left in 1/s, and
 the distance in goal units at which it is done."""
-
-
-class Arrival(NamedTuple):
-    """When a robot has arrived, and when it is no longer parked.
-
-    Attributes
-    ----------
-    position, heading : float
-        Within these (goal units, rad) of the goal it has arrived, and rests.
-    release : float
-        How many times these it may be off until it is corrected.
-    """
-
-    position: float
-    heading: float
-    release: float = 2.0
 
 
 class Asked(NamedTuple):
@@ -161,11 +143,11 @@ class Pilot:
             discretisation="implicit",
             robot="velocity",
         )
-        self._limits, self._side, self._arrival = limits, side, arrival
+        self._limits, self._side = limits, side
+        self._resting = Resting(arrival)
         self._sent = (0.0, 0.0)
         self._stage = course.stage
         self._from: GoalPose | None = None
-        self._parked = False
 
     def step(self, t: float, dt: float, pose: GoalPose, *, beta: float, motion: Motion) -> Asked:
         """What to send now.
@@ -189,21 +171,15 @@ class Pilot:
         if self._stage:
             return self._straight(dt, pose, motion)
         command = self._controller.step(measured_pose(t, *pose, beta=beta))
-        if self._resting(command.step, pose):
+        if self._resting.update(command.step, pose):
             return self._send(dt, 0.0, 0.0, command.step, beta, motion, rest=True)
         v = command.speed * self._side
         return self._send(dt, v, command.turn_rate, command.step, beta, motion, rest=False)
 
-    def _resting(self, step: int, pose: GoalPose) -> bool:
-        """Whether the robot is parked, with hysteresis."""
-        position, heading, release = self._arrival
-        wide = release if self._parked else 1.0
-        self._parked = (
-            step == HOLD
-            and math.hypot(pose.x, pose.y) <= wide * position
-            and abs(pose.theta) <= wide * heading
-        )
-        return self._parked
+    def rest(self) -> None:
+        """Take the robot to have been stopped: speeds are built up again from rest."""
+        self._sent = (0.0, 0.0)
+        self._controller.hold_velocity(0.0, 0.0)
 
     def _straight(self, dt: float, pose: GoalPose, motion: Motion) -> Asked:
         """The leg before the law."""
@@ -238,4 +214,4 @@ class Pilot:
         if rest or sent != wanted:
             driven = motion.turn * sent[1] + motion.skew * sent[0]
             self._controller.hold_velocity(motion.speed * sent[0] / self._side, driven * beta)
-        return Asked(*sent, step, self._parked)
+        return Asked(*sent, step, self._resting.parked)

@@ -14,8 +14,9 @@ from typing import Literal
 from msgspec.structs import replace as with_fields
 
 from parkproof.bounds import Bounds
+from parkproof.lab.arrival import HOLD, Arrival
 from parkproof.lab.devices import RobotLimits
-from parkproof.lab.pilot import HOLD, Arrival, Course, Pilot
+from parkproof.lab.pilot import Course, Pilot
 from parkproof.lab.predict import GoalPose, Motion, advanced
 from parkproof.lab.view import ImageView, Point
 from parkproof.laws.gains import Gains, Switching
@@ -42,9 +43,6 @@ STEEPEST = math.radians(82.0)
 
 CRUISE = (0.2, 3.0)
 """Run-up speeds in goal units per s that are tried."""
-
-PERIOD = 1.0 / 30.0
-"""Step of the drive in advance in s."""
 
 LONGEST = 40.0
 """Courses that take longer, in s, are not tried further."""
@@ -80,6 +78,8 @@ class Task:
         Whether to try more speeds, slopes and legs: a few seconds, where there is no course.
     quickest : float
         Largest time scale κ of Step 2 that is tried.
+    period : float
+        Time between commands in s.
     drive : callable, optional
         How courses are driven in advance; default `driven_time`, for a robot that takes velocities.
     """
@@ -96,12 +96,56 @@ class Task:
     gains: Gains | None = None
     thorough: bool = False
     quickest: float = PACES[0]
+    period: float = 1.0 / 30.0
     drive: "Drive | None" = None
 
 
 Drive = Callable[[Task, Course, GoalPose, Motion, float, float], float | None]
 """Drives a course in advance from a pose, with a motion, a gain a, and at most so many seconds: the
 time that it takes, or None."""
+
+
+Move = Callable[[float, GoalPose], tuple[int, GoalPose]]
+"""Takes the time in s and a pose; answers the step of the law, and the pose a period later."""
+
+
+def rehearsed(task: Task, pose: GoalPose, longest: float, move: Move) -> float | None:
+    """Go through a course in advance, and judge it.
+
+    Parameters
+    ----------
+    task : Task
+        What the course has to do.
+    pose : GoalPose
+        Where the robot stands.
+    longest : float
+        Time in s after which it is given up.
+    move : callable
+        Moves the robot on, as the pilot of the course drives it.
+
+    Returns
+    -------
+    float or None
+        How long it takes in s; None if it leaves the view or the chart, or takes too long.
+    """
+    room = task.view.room(task.footprint, *pose) - task.margin
+    t, turned = 0.0, False
+    while t < longest:
+        step, after = move(t, pose)
+        if step == 0 and turned:
+            return None  # it had to turn again
+        turned = turned or step > 0
+        if step in {1, 2} and abs(pose.theta) > STEEPEST:
+            return None
+        if step == HOLD:
+            return t
+        pose = after
+        clearance = task.view.room(task.footprint, *pose) - task.margin
+        if clearance < min(0.0, room) - 1e-9:
+            return None
+        room = max(room, min(0.0, clearance))
+        t += task.period
+    return None
 
 
 def driven_time(
@@ -133,33 +177,16 @@ def driven_time(
         How long it takes in s; None if it leaves the view or takes too long.
     """
     pilot = Pilot(
-        course,
-        task.bounds,
-        task.limits,
-        side=task.side,
-        period=PERIOD,
-        arrival=task.arrival,
+        course, task.bounds, task.limits, side=task.side, period=task.period, arrival=task.arrival
     )
-    room = task.view.room(task.footprint, *pose) - task.margin
-    t, turned = 0.0, False
-    while t < longest:
-        asked = pilot.step(t, PERIOD, pose, beta=1.0, motion=motion)
-        if asked.step == 0 and turned:
-            return None  # it had to turn again
-        turned = turned or asked.step > 0
-        if asked.step in {1, 2} and abs(pose.theta) > STEEPEST:
-            return None
-        if asked.step == HOLD:
-            return t
-        v = motion.speed * asked.v
+
+    def move(t: float, pose: GoalPose) -> tuple[int, GoalPose]:
+        asked = pilot.step(t, task.period, pose, beta=1.0, motion=motion)
+        speed = a * motion.speed * asked.v / task.side
         turn = motion.turn * asked.omega + motion.skew * asked.v
-        pose = advanced(pose, PERIOD, a * v / task.side, turn)
-        clearance = task.view.room(task.footprint, *pose) - task.margin
-        if clearance < min(0.0, room) - 1e-9:
-            return None
-        room = max(room, min(0.0, clearance))
-        t += PERIOD
-    return None
+        return asked.step, advanced(pose, task.period, speed, turn)
+
+    return rehearsed(task, pose, longest, move)
 
 
 def plan_course(task: Task, start: GoalPose, motion: Motion | None = None) -> Course | None:

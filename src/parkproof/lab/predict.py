@@ -127,6 +127,30 @@ class CommandHistory:
         while len(self._sent) > 1 and self._sent[1].t < t - KEPT:
             self._sent.popleft()
 
+    def replace_last(
+        self,
+        v: float,
+        omega: float,
+        *,
+        halted: float | None = None,
+        rest: tuple[float, float] = (0.0, 0.0),
+    ) -> None:
+        """Correct the last command, which was not sent as remembered.
+
+        Parameters
+        ----------
+        v, omega : float
+            What was sent instead.
+        halted : float, optional
+            When the robot was stopped before that, in s.
+        rest : two floats
+            What stands for that stop.
+        """
+        last = self._sent.pop()
+        if halted is not None and halted < last.t:
+            self.add(halted, *rest)
+        self.add(last.t, v, omega)
+
     def pieces(self, start: float, end: float) -> Iterator[tuple[float, float, float]]:
         """Durations with the commands in force: (dt, v, ω), from one time to another.
 

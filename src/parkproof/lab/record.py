@@ -8,12 +8,8 @@ to there.
 
 from collections.abc import Sequence
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
-import numpy as np
-
-from parkproof.errors import InputError
 from parkproof.extras import require
 from parkproof.lab.devices import Camera, Clock, Frame, Image, Missing
 from parkproof.lab.entries import (
@@ -25,14 +21,15 @@ from parkproof.lab.entries import (
     Missed,
     Readings,
 )
+from parkproof.lab.picture import as_picture
 from parkproof.lab.run_file import Item, RunFile
-from parkproof.lab.worker import Worker
+from parkproof.lab.worker import Worker, WrittenBeside
 
 WAITING_FRAMES = 60
 """So many pictures may wait to be encoded: two seconds' worth."""
 
 
-class Recorder:
+class Recorder(WrittenBeside):
     """Writes a run to a file while it goes on, without holding it up.
 
     Encoding and writing happen in a thread beside the loop. Use it in a ``with`` block, so that the
@@ -63,6 +60,7 @@ class Recorder:
 
     Examples
     --------
+    >>> import numpy as np
     >>> with Recorder(directory / "run.mcap", settings={"tag": 7}) as recorder:
     ...     recorder.frame(Frame(np.zeros((48, 64), np.uint8), t=0.0, number=0), arrived=0.066)
     ...     recorder.command(0.07, 0.1, 0.0, step=1)
@@ -81,26 +79,14 @@ class Recorder:
         require("cv2", "mcap", "mcap_ros2", extra="lab", purpose="recording a run")
         self._path = Path(path)
         self._file = RunFile(path, settings=settings, epoch=epoch)
-        self._worker = Worker("recording", capacity=WAITING_FRAMES, realtime=realtime)
+        super().__init__(Worker("recording", capacity=WAITING_FRAMES, realtime=realtime))
         self._pending: list[Item] = []
         self._readings: list[float] = []
         self._boundary = 0
         self._sequence = 0
         self._now = 0.0
-        self._closed = False
         self.frames = 0
         self.lost = 0
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
 
     @property
     def fault(self) -> str | None:
@@ -128,14 +114,8 @@ class Recorder:
         self._boundary = len(self._readings)
 
     def frame(self, frame: Frame, arrived: float) -> None:
-        """Record a frame and when it came, in s.
-
-        Raises
-        ------
-        InputError
-            If its picture is not grey or RGB of 8 bits.
-        """
-        image = _checked(frame.image)
+        """Record a frame and when it came, in s; without a pixel if it holds no picture."""
+        image = as_picture(frame.image)
         self._flush_readings()
         self._hand_over()
         self.frames += 1
@@ -189,10 +169,12 @@ class Recorder:
         step: int,
         *,
         accelerations: tuple[float, float] | None = None,
+        asked: tuple[float, float] | None = None,
+        halted: float | None = None,
     ) -> None:
         """Record a command sent at t: v in m/s, omega in rad/s, and the step of the law.
 
-        See `parkproof.lab.entries.Commanded` for a robot that takes accelerations.
+        See `parkproof.lab.entries.Commanded` for the rest.
         """
         self._now = float(t)
         self._log(
@@ -202,6 +184,8 @@ class Recorder:
                 omega=float(omega),
                 step=int(step),
                 accelerations=_floats(accelerations),
+                asked=_floats(asked),
+                halted=None if halted is None else float(halted),
             )
         )
         self._hand_over()
@@ -214,19 +198,13 @@ class Recorder:
         self._now = float(t)
         self._log(Event(t=self._now, name=name, sentence=sentence, level=int(level)))
 
-    def close(self) -> None:
-        """Write what still waits and close the file. May be called twice."""
-        if self._closed:
-            return
-        self._closed = True
+    def _flush(self) -> None:
         self.mark()
         self._flush_readings()
         self._hand_over()
-        self._worker.do(self._finish)
-        try:
-            self._worker.close()
-        finally:
-            self._file.close()
+
+    def _let_go(self) -> None:
+        self._file.close()
 
     def _flush_readings(self) -> None:
         """Log what the clock said since the camera was read before this time."""
@@ -287,16 +265,3 @@ class _WatchedClock:
 def _floats(values: Sequence[float] | None) -> Any:
     """Plain floats, of NumPy's or others."""
     return None if values is None else tuple(float(value) for value in values)
-
-
-def _checked(image: Image) -> Image:
-    """The picture, if it is one."""
-    array = np.asarray(image)
-    if array.dtype != np.uint8 or not (
-        array.ndim == 2 or (array.ndim == 3 and array.shape[2] == 3)
-    ):
-        raise InputError(
-            f"frame of shape {array.shape} and type {array.dtype}: must be grey (rows × columns) "
-            "or RGB (rows × columns × 3) of type uint8"
-        )
-    return array

@@ -54,7 +54,7 @@ class Recording:
     >>> recording.settings, recording.whole
     ({'tag': 7}, True)
     >>> recording.commands()
-    [Commanded(t=0.07, v=0.1, omega=0.0, step=1, accelerations=None)]
+    [Commanded(t=0.07, v=0.1, omega=0.0, step=1, accelerations=None, asked=None, halted=None)]
     >>> camera, clock = recording.replay()
     >>> camera.read(0.1).number, clock.now(), clock.now()
     (0, 0.066, 0.07)
@@ -205,6 +205,11 @@ class RecordedCamera:
     clock : RecordedClock
         Is told which times come between the frames.
 
+    Attributes
+    ----------
+    lost : bool
+        Whether the frame that was read last has lost its picture, and is black.
+
     Examples
     --------
     See `Recording`.
@@ -214,11 +219,13 @@ class RecordedCamera:
         self._log = log
         self._clock = clock
         self._next: Taken | Missed | None = None
+        self.lost = False
         self._load(None)
 
     def read(self, timeout: float) -> Frame | Missing:  # noqa: ARG002
         """The next frame, or why there was none then; the timeout is that of the recorded run."""
         now = self._next
+        self.lost = isinstance(now, Taken) and now.lost
         if now is None:
             return Missing.ENDED
         self._load(now)

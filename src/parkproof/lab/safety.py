@@ -14,6 +14,10 @@ from parkproof.model.unicycle import wrap_angle
 REACTION = 0.1
 """Time in s until braking begins, for the guard at the border."""
 
+STEEP = math.radians(84.5)
+"""Heading in Steps 1 and 2 beyond which a course is given up: near ±90° the law hardly turns back.
+Courses are chosen that keep further away from it."""
+
 
 class Alarm(enum.Enum):
     """Why the robot is stopped.
@@ -31,7 +35,11 @@ class Alarm(enum.Enum):
     STALE = "frames come too late"
     CLOCK = "the time stamps of the frames jump"
     JUMP = "the robot jumped farther than it can drive"
+    NO_POSE = "the tag is seen where the robot cannot be"
+    STALLED = "the robot does not move as it is told"
+    FROZEN = "the picture stands still while the robot is told to move"
     BORDER = "the robot comes too near the border of the picture"
+    STEEP = "the robot turned further across its course than was foreseen"
 
     @property
     def sentence(self) -> str:
@@ -182,9 +190,9 @@ class Guard:
         )
 
     def of_motion(
-        self, estimate: Estimate, v: float, omega: float, *, scale: float
+        self, estimate: Estimate, v: float, omega: float, *, scale: float, step: int
     ) -> Alarm | None:
-        """Whether the tag would leave the view if the robot braked from now on.
+        """Whether the course went astray, or the tag would leave the view if the robot braked now.
 
         Parameters
         ----------
@@ -194,12 +202,16 @@ class Guard:
             What it is about to be sent, in m/s and rad/s.
         scale : float
             Greatest length in goal units that a side of the tag has there, in any direction.
+        step : int
+            Step of the law.
 
         Returns
         -------
         Alarm or None
             None if it can stop inside the view, or comes away from the border.
         """
+        if step in {1, 2} and abs(estimate.pose.theta) > STEEP:
+            return Alarm.STEEP
         limits, motion = self._limits, estimate.motion
         speed, turn = motion.speed * v, motion.turn * omega + motion.skew * v
         footprint = tag_footprint(self._mount, scale)

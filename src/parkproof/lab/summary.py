@@ -82,7 +82,8 @@ class FrameCounts(msgspec.Struct, frozen=True, kw_only=True):
     dropped : int
         Frames that the camera took and that never came: gaps in their numbers.
     out_of_view : int or None
-        Frames in which the robot was not wholly in the picture; None where that is not known.
+        Frames in which the tag's black square was not wholly in the picture; None where that is not
+        known.
     """
 
     seen: int

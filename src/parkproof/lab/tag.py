@@ -1,8 +1,6 @@
 """Finding the robot's tag: AprilTags of the family 36h11, each with its homography to pixels.
 
-The **tag's frame** is the tag as it is printed and read, seen from above: origin at the centre of
-the black square, x to the right, y up, its side the unit. Corners go counter-clockwise from bottom
-left. Pixels are OpenCV's: the centre of the first one is (0, 0).
+The tag's frame, the order of its corners, and pixels are those of `parkproof.lab.tag_square`.
 """
 
 import ctypes
@@ -14,9 +12,10 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from parkproof.errors import InputError
 from parkproof.extras import require
 from parkproof.lab.devices import Image
+from parkproof.lab.picture import grey
+from parkproof.lab.tag_square import Corners, Near, Point, region_of, square_homography
 from parkproof.model.homography import Homography
 
 if TYPE_CHECKING:
@@ -26,12 +25,6 @@ FAMILY = "tag36h11"
 TAGS = 587
 """Tags in the family: ids 0 to 586."""
 
-QUIET = 1 / 8
-"""Width of the white margin that a tag needs around its black square, in sides."""
-
-LEAST_SIDE = 8
-"""Pictures with fewer rows or columns cannot hold a tag, one pixel a cell."""
-
 _MOST_WRONG_BITS = 1
 _LEAST_MARGIN = 25.0
 """Grey levels between cells and threshold: true tags have 60 or more, false ones below 20."""
@@ -39,13 +32,6 @@ _LEAST_MARGIN = 25.0
 _CONTRAST = 24
 """Grey levels between black and white below which the detector sees no edges. With its own 5, the
 noise of a plain floor makes a picture take twenty times as long."""
-
-_GRID = 4
-"""The detector thresholds in squares of so many px: regions that start on this grid give just what
-the whole picture gives."""
-
-Point = tuple[float, float]
-Corners = tuple[Point, Point, Point, Point]
 
 
 class Detection(NamedTuple):
@@ -102,150 +88,6 @@ class Unseen(enum.Enum):
     def sentence(self) -> str:
         """In words."""
         return self.value
-
-
-class Near(NamedTuple):
-    """Where a tag is looked for first.
-
-    Attributes
-    ----------
-    u, v : float
-        Where its centre is expected, px.
-    reach : float
-        Half the width of the square that is searched, px: room for the tag with its white margin,
-        and for being wrong. See `near`.
-    """
-
-    u: float
-    v: float
-    reach: float
-
-
-SLACK = 24.0
-"""How wrong an expectation may be, px."""
-
-
-def near(centre: Point, side: float, *, slack: float = SLACK) -> Near:
-    """Region in which a tag is found whole if it is about where it is expected.
-
-    Parameters
-    ----------
-    centre : tuple of float
-        Where its centre is expected, px.
-    side : float
-        Its side, px.
-    slack : float
-        How wrong the expectation may be, px.
-
-    Returns
-    -------
-    Near
-        For `TagDetector.find`.
-
-    Examples
-    --------
-    >>> near((320.0, 240.0), side=30.0)
-    Near(u=320.0, v=240.0, reach=53.5)
-    """
-    # Half the diagonal of the tag with its white margin, and a tenth for perspective.
-    half = 1.1 * math.sqrt(0.5) * (1.0 + 2.0 * QUIET) * side
-    return Near(*centre, reach=math.ceil(2.0 * (half + slack)) / 2.0)
-
-
-def square_homography(corners: Corners) -> Homography:
-    """Homography from the tag's frame to px, exactly through four corners.
-
-    Heckbert's closed form for the unit square, moved to the centre.
-
-    Parameters
-    ----------
-    corners : tuple of four points
-        Images of (−½, −½), (½, −½), (½, ½), (−½, ½).
-
-    Returns
-    -------
-    Homography
-        Tag's frame → px, with w3 = 1 at the centre.
-
-    Raises
-    ------
-    InputError
-        If three of the corners lie on a line.
-
-    Examples
-    --------
-    >>> square_homography(((10.0, 50.0), (50.0, 50.0), (50.0, 10.0), (10.0, 10.0))).entries
-    (40.0, 0.0, 30.0, 0.0, -40.0, 30.0, 0.0, 0.0, 1.0)
-    """
-    (x0, y0), (x1, y1), (x2, y2), (x3, y3) = corners
-    dx1, dx2, dx3 = x1 - x2, x3 - x2, x0 - x1 + x2 - x3
-    dy1, dy2, dy3 = y1 - y2, y3 - y2, y0 - y1 + y2 - y3
-    det = dx1 * dy2 - dx2 * dy1
-    if det == 0.0:
-        raise InputError(
-            f"corners = {corners}: three lie on a line; give the four corners of a square"
-        )
-    g = (dx3 * dy2 - dx2 * dy3) / det
-    h = (dx1 * dy3 - dx3 * dy1) / det
-    a, b = x1 - x0 + g * x1, x3 - x0 + h * x3
-    d, e = y1 - y0 + g * y1, y3 - y0 + h * y3
-    w = 1.0 + 0.5 * (g + h)
-    u, v = x0 + 0.5 * (a + b), y0 + 0.5 * (d + e)
-    return Homography((a / w, b / w, u / w, d / w, e / w, v / w, g / w, h / w, 1.0))
-
-
-def grey(image: Image) -> NDArray[np.uint8]:
-    """Check a picture, and make it grey.
-
-    Parameters
-    ----------
-    image : array of uint8
-        Grey, or RGB.
-
-    Returns
-    -------
-    array of uint8
-        Rows × columns.
-
-    Raises
-    ------
-    InputError
-        If it is no picture: not such an array, or without a pixel.
-
-    Examples
-    --------
-    >>> grey(np.zeros((48, 64, 3), np.uint8)).shape
-    (48, 64)
-    >>> grey(np.zeros((0, 64), np.uint8))
-    Traceback (most recent call last):
-    ...
-    parkproof.errors.InputError: picture of 0 × 64 pixels: ...
-    """
-    shape = getattr(image, "shape", None)
-    if not isinstance(image, np.ndarray) or shape is None or image.dtype != np.uint8:
-        kind = image.dtype if isinstance(image, np.ndarray) else type(image).__name__
-        raise InputError(
-            f"picture of {kind}: must be an array of uint8, 0 black to 255 white; convert it, for "
-            "example with image.astype(numpy.uint8)"
-        )
-    if image.ndim == 3 and shape[2] == 1:
-        image = image[:, :, 0]
-    if not (image.ndim == 2 or (image.ndim == 3 and shape[2] == 3)):
-        raise InputError(
-            f"picture of shape {shape}: must be rows × columns, or rows × columns × 3 in the order "
-            "red, green, blue; leave out what is more, such as a layer of opacity"
-        )
-    if min(shape[:2]) < LEAST_SIDE:
-        raise InputError(
-            f"picture of {shape[0]} × {shape[1]} pixels: must have at least {LEAST_SIDE} rows and "
-            "columns to show a tag; check what the camera gives"
-        )
-    if image.ndim == 2:
-        return np.ascontiguousarray(image)
-    require("cv2", extra="lab", purpose="finding tags")
-    import cv2
-
-    return cast("NDArray[np.uint8]", cv2.cvtColor(image, cv2.COLOR_RGB2GRAY))
 
 
 class TagDetector:
@@ -330,7 +172,7 @@ class TagDetector:
             If it is no picture.
         """
         whole = grey(image)
-        region = _region(near, *whole.shape)
+        region = region_of(near, *whole.shape)
         if region is not None:
             rows, columns = region
             part = np.ascontiguousarray(whole[rows, columns])
@@ -418,17 +260,3 @@ def the_one(seen: Sequence[Detection], tag_id: int) -> Detection | Unseen:
     if len(own) == 1:
         return own[0]
     return Unseen.TWICE if own else Unseen.ABSENT
-
-
-def _region(near: Near | None, rows: int, columns: int) -> tuple[slice, slice] | None:
-    """Rows and columns to search first, on the detector's grid; None if that saves nothing."""
-    if near is None or not all(map(math.isfinite, near)):
-        return None
-    spans = []
-    for centre, size in ((near.v, rows), (near.u, columns)):
-        first = max(0, _GRID * math.floor((centre - near.reach) / _GRID))
-        last = min(size, _GRID * math.ceil((centre + near.reach + 1.0) / _GRID))
-        if last - first < LEAST_SIDE:
-            return None
-        spans.append(slice(first, last))
-    return spans[0], spans[1]

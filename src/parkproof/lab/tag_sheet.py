@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from parkproof.errors import InputError
 from parkproof.extras import require
 from parkproof.lab.image_pose import check_tag_id
-from parkproof.lab.tag import FAMILY, QUIET
+from parkproof.lab.tag import FAMILY
+from parkproof.lab.tag_square import QUIET
 from parkproof.validate import positive
 
 if TYPE_CHECKING:

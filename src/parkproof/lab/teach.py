@@ -9,7 +9,8 @@ from parkproof.errors import InputError
 from parkproof.lab.devices import Frame, Image
 from parkproof.lab.goal import Goal, gain_range
 from parkproof.lab.image_pose import TagMount, image_pose
-from parkproof.lab.tag import QUIET, Detection, TagDetector, Unseen, the_one
+from parkproof.lab.tag import Detection, TagDetector, Unseen, the_one
+from parkproof.lab.tag_square import QUIET, SQUARE
 
 
 def teach(
@@ -94,9 +95,9 @@ def _not_the_one(why: Unseen, seen: list[Detection], tag_id: int) -> InputError:
 
 def _check_whole(tag: Detection, width: int, height: int) -> None:
     """Refuse a tag that the border of the picture cuts, or its white margin."""
-    reach = 0.5 + QUIET
-    for x, y in ((-reach, -reach), (reach, -reach), (reach, reach), (-reach, reach)):
-        u, v = tag.homography.project(x, y)
+    whole = 1.0 + 2.0 * QUIET
+    for x, y in SQUARE:
+        u, v = tag.homography.project(whole * x, whole * y)
         if not (-0.5 <= u <= width - 0.5 and -0.5 <= v <= height - 0.5):
             raise _cut(tag.tag_id)
 

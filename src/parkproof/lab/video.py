@@ -5,8 +5,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from parkproof.errors import InputError
 from parkproof.extras import require
 from parkproof.lab.devices import Image
 from parkproof.lab.overlay import Overlay, overlay, overlay_size
-from parkproof.lab.worker import Worker
+from parkproof.lab.worker import Worker, WrittenBeside
 from parkproof.output import write_whole
 
 TICKS = 90_000
@@ -27,7 +26,7 @@ WAITING_FRAMES = 120
 """So many pictures may wait to be drawn and encoded."""
 
 
-class RunVideo:
+class RunVideo(WrittenBeside):
     """Writes a run as H.264 in MP4, with what `parkproof.lab.overlay` draws.
 
     Drawing and encoding happen in a thread beside the loop. Pictures are shown for as long as it
@@ -75,24 +74,12 @@ class RunVideo:
             )
         self._path = Path(path)
         self._size = size
-        self._worker = Worker("the video", capacity=WAITING_FRAMES, realtime=realtime)
+        super().__init__(Worker("the video", capacity=WAITING_FRAMES, realtime=realtime))
         self._ticks: int | None = None
         self._last = 0.0
-        self._closed = False
         self.frames = 0
         self.lost = 0
         self._container, self._stream = _begin(self._path, overlay_size(*size), rate)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
 
     @property
     def fault(self) -> str | None:
@@ -113,18 +100,6 @@ class RunVideo:
         copy = image.copy()  # a camera may use its buffer again
         if not self._worker.do(lambda: self._encode(copy, info), bulky=True):
             self.lost += self._worker.fault is None
-
-    def close(self) -> None:
-        """Finish the video. May be called twice."""
-        if self._closed:
-            return
-        self._closed = True
-        self._worker.do(self._finish)
-        try:
-            self._worker.close()
-        finally:
-            if self._worker.fault is not None:
-                self._give_up()
 
     # ------------------------------------------------------------------ in the thread beside
 
@@ -166,10 +141,12 @@ class RunVideo:
         except av.FFmpegError as error:
             raise OSError(error.errno, error.strerror) from error
 
-    def _give_up(self) -> None:
+    def _let_go(self) -> None:
         """Leave no file that does not play."""
         import av
 
+        if self._worker.fault is None:
+            return
         with suppress(av.FFmpegError, OSError):
             self._container.close()
         with suppress(OSError):

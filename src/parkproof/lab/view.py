@@ -6,11 +6,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from parkproof.lab.image_pose import TagMount
+from parkproof.lab.tag_square import SQUARE
 
 Point = tuple[float, float]
-
-SQUARE = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))
-"""Corners of a tag in its own frame."""
 
 
 @dataclass(frozen=True)

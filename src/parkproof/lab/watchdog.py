@@ -2,6 +2,7 @@
 
 import atexit
 import math
+import os
 import signal
 import threading
 import time
@@ -13,8 +14,11 @@ from parkproof.lab.devices import AcceleratedRobot, Clock, Robot, RobotLimits
 from parkproof.lab.limits import limited
 from parkproof.validate import positive
 
-SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")
-"""Ctrl-C, a request to end, a terminal that was closed. There is no SIGHUP on Windows."""
+SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT")
+"""Ctrl-C, a request to end, a terminal that was closed, Ctrl-\\. Windows lacks the last two."""
+
+SUSPENSION = "SIGTSTP"
+"""Ctrl-Z."""
 
 
 class Stopping:
@@ -43,6 +47,8 @@ class Stopping:
         self._timeout = None if timeout is None else positive("timeout", timeout, example=0.3)
         self.stopped_by = ""
         self.late_stops = 0
+        self._halts = 0
+        self._halted: float | None = None
         self._fed = time.monotonic()
         self._lock = threading.RLock()  # a signal may arrive inside `send`, in the same thread
         self._closed = threading.Event()
@@ -66,19 +72,38 @@ class Stopping:
                 self._robot.stop()
                 return
             self._watch()
-            self._fed = time.monotonic()
+            self._fed, halts = time.monotonic(), self._halts
             try:
                 command()
             except BaseException:
                 self.stop()
                 raise
             self._fed = time.monotonic()
-            if self.stopped_by:  # a signal has come meanwhile, and its handler gone on
+            # stopped meanwhile, for a signal or because it hung: what was sent came after that
+            if self.stopped_by or self._halts != halts:
                 self.stop()
 
     def stop(self) -> None:
         """Stand still at once."""
         self._robot.stop()
+
+    def _halt(self) -> None:
+        """Stop, though the loop did not ask for it."""
+        self._halts += 1
+        if self._halted is None:
+            self._halted = self._clock.now()
+        self.stop()
+
+    def take_halt(self) -> float | None:
+        """When it was stopped first since this was asked last, with the loop not asking for it.
+
+        Returns
+        -------
+        float or None
+            Time in s on the loop's clock; None if it was not.
+        """
+        halted, self._halted = self._halted, None
+        return halted
 
     def close(self) -> None:
         """Stop, give the robot and the signals back. May be called twice."""
@@ -93,7 +118,7 @@ class Stopping:
         self.stop()
         self._closed.set()
         for number, handler in self._before.items():
-            if signal.getsignal(number) == self._on_signal:
+            if signal.getsignal(number) in {self._on_signal, self._on_suspension}:
                 signal.signal(number, handler)
         self._before.clear()
         atexit.unregister(self._robot.stop)
@@ -102,12 +127,18 @@ class Stopping:
 
     def __enter__(self) -> Self:
         if threading.current_thread() is threading.main_thread():
-            for number in (getattr(signal, name) for name in SIGNALS if hasattr(signal, name)):
-                before = signal.getsignal(number)
-                if before not in {signal.SIG_IGN, None}:
-                    self._before[number] = before
-                    signal.signal(number, self._on_signal)
+            for name in SIGNALS:
+                self._take(name, self._on_signal)
+            self._take(SUSPENSION, self._on_suspension)
         return self
+
+    def _take(self, name: str, handler: Callable[[int, FrameType | None], None]) -> None:
+        """Handle a signal, if there is such a one and it is not ignored."""
+        number = getattr(signal, name, None)
+        before = None if number is None else signal.getsignal(number)
+        if number is not None and before not in {signal.SIG_IGN, None}:
+            self._before[number] = before
+            signal.signal(number, handler)
 
     def __exit__(
         self,
@@ -125,6 +156,14 @@ class Stopping:
             before(number, frame)
         else:
             raise SystemExit(128 + number)
+
+    def _on_suspension(self, number: int, frame: FrameType | None) -> None:
+        self._halt()
+        before = self._before.get(signal.Signals(number))
+        if callable(before):
+            before(number, frame)
+        else:
+            os.kill(os.getpid(), signal.SIGSTOP)  # goes on here when it is told to
 
     def _watch(self) -> None:
         """Have a thread that watches, also when an error of the robot has ended an earlier one."""
@@ -152,23 +191,25 @@ class Stopping:
         try:
             if not held or self._fed + timeout <= time.monotonic():
                 self.late_stops += 1
-                self.stop()
+                self._halt()
         finally:
             if held:
                 self._lock.release()
 
 
 class StoppingRobot(Stopping):
-    """Wraps a robot: limits kept, and stopped when the program no longer drives it.
+    r"""Wraps a robot: limits kept, and stopped when the program no longer drives it.
 
     Every command goes through `parkproof.lab.limits.limited` first. The robot is stopped
 
     - when nothing was sent for ``timeout`` s, by a thread, in real time;
     - at the end of the ``with`` block, however it is left;
-    - on Ctrl-C, a request to end and a closed terminal, within a ``with`` block of the main thread:
-      at once, before anything else, and from then on it is only told to stand still. The handler
-      that was there before is called next; where there was none, `SystemExit` is raised, so that
-      everything is cleaned up. A signal that is ignored, as after nohup, stays ignored;
+    - on Ctrl-C, Ctrl-\, a request to end and a closed terminal, within a ``with`` block of the
+      main thread: at once, before anything else, and from then on it is only told to stand still.
+      The handler that was there before is called next; where there was none, `SystemExit` is
+      raised, so that everything is cleaned up. A signal that is ignored, as after nohup, stays
+      ignored;
+    - on Ctrl-Z, likewise: before the program is suspended;
     - when a command fails, and when the interpreter ends.
 
     Against a program that is killed outright, or a cable that is pulled, only the robot itself can
@@ -228,7 +269,7 @@ class StoppingRobot(Stopping):
 
     @property
     def sent(self) -> tuple[float, float]:
-        """(v, ω) as last sent, within all limits."""
+        """(v, ω) as last sent, within all limits; zeros where it was stopped meanwhile."""
         return self._sent
 
     def _rests(self) -> bool:
@@ -255,95 +296,3 @@ class StoppingRobot(Stopping):
         """Stand still at once: not slowed down within the limits, for which send zeros."""
         self._sent = (0.0, 0.0)
         self._robot.stop()
-
-
-class StoppingAcceleratedRobot(Stopping):
-    """The same for a robot that takes accelerations: limits of acceleration kept.
-
-    Those of speed are for the loop to keep, which estimates speeds. The watch holds unless the
-    robot was told to brake.
-
-    Parameters
-    ----------
-    robot : AcceleratedRobot
-        What is driven.
-    clock : Clock
-        Of the loop.
-    timeout : float or None
-        As in `StoppingRobot`.
-
-    Examples
-    --------
-    >>> from parkproof.lab.devices import WallClock
-    >>> from parkproof.lab.world import RobotSettings, World, WorldSettings
-    >>> with World(WorldSettings(robot=RobotSettings(commanded_by="torque"))) as world:
-    ...     with StoppingAcceleratedRobot(world.robot, clock=world.clock, timeout=None) as safe:
-    ...         safe.accelerate(1e6, 0.0)
-    ...         world.truth().commanded_v
-    1.0
-    """
-
-    def __init__(
-        self, robot: AcceleratedRobot, *, clock: Clock, timeout: float | None = 0.3
-    ) -> None:
-        super().__init__(robot, clock=clock, timeout=timeout)
-        self._driven = robot
-        self._braked = True
-
-    def _rests(self) -> bool:
-        return self._braked
-
-    def accelerate(self, v_dot: float, omega_dot: float) -> None:
-        """Send the nearest acceleration within the limits; brake if a number is not finite.
-
-        Raises
-        ------
-        RobotSilentError
-            As the robot does; it has been told to brake.
-        """
-        if not (math.isfinite(v_dot) and math.isfinite(omega_dot)):
-            self.brake()
-            return
-        limits = self.limits
-
-        def command() -> None:
-            self._braked = False
-            most, most_turn = limits.acceleration, limits.turn_acceleration
-            self._driven.accelerate(
-                min(max(v_dot, -most), most), min(max(omega_dot, -most_turn), most_turn)
-            )
-
-        self._carry_out(command)
-
-    def brake(self) -> None:
-        """Have it brake, as a command of the loop."""
-        self._carry_out(self.stop)
-
-    def stop(self) -> None:
-        """Brake at once."""
-        self._braked = True
-        self._robot.stop()
-
-
-def stopping(
-    robot: Robot | AcceleratedRobot, *, clock: Clock, timeout: float | None
-) -> StoppingRobot | StoppingAcceleratedRobot:
-    """Wrap a robot of either kind.
-
-    Parameters
-    ----------
-    robot : Robot or AcceleratedRobot
-        What is driven.
-    clock : Clock
-        Of the loop.
-    timeout : float or None
-        As in `StoppingRobot`.
-
-    Returns
-    -------
-    StoppingRobot or StoppingAcceleratedRobot
-        By what the robot takes.
-    """
-    if isinstance(robot, AcceleratedRobot):
-        return StoppingAcceleratedRobot(robot, clock=clock, timeout=timeout)
-    return StoppingRobot(robot, clock=clock, timeout=timeout)

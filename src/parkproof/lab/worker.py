@@ -3,7 +3,8 @@
 import threading
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
-from typing import Any
+from types import TracebackType
+from typing import Any, Self
 
 from parkproof.errors import InputError
 
@@ -77,3 +78,51 @@ class Worker:
         self._executor.shutdown(wait=True)
         if self._failure is not None and not isinstance(self._failure, OSError | InputError):
             raise self._failure
+
+
+class WrittenBeside:
+    """A file that a worker writes, whole at the end of a ``with`` block.
+
+    Parameters
+    ----------
+    worker : Worker
+        What writes it.
+    """
+
+    def __init__(self, worker: Worker) -> None:
+        self._worker = worker
+        self._closed = False
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Write what still waits, and close the file. May be called twice."""
+        if self._closed:
+            return
+        self._closed = True
+        self._flush()
+        self._worker.do(self._finish)
+        try:
+            self._worker.close()
+        finally:
+            self._let_go()
+
+    def _flush(self) -> None:
+        """Have written what was not handed over yet."""
+
+    def _finish(self) -> None:
+        """Write the end, in the thread beside."""
+        raise NotImplementedError
+
+    def _let_go(self) -> None:
+        """Let go of the file, whether it is whole or not."""
+        raise NotImplementedError

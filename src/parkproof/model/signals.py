@@ -1,7 +1,8 @@
-"""Named kinds of signals for γ, φ, α and b2: constant, sine, square, seeded noise, adversary."""
+"""Named kinds of signals for γ, φ, α and b2: constant, waves, switched, seeded noise, adversary."""
 
 import math
-from typing import NamedTuple
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import msgspec
 from msgspec.structs import force_setattr
@@ -10,11 +11,20 @@ from parkproof.errors import InputError
 from parkproof.scalar import scalar, sign, sine
 from parkproof.validate import finite, not_negative, positive
 
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
 FASTEST = 1e6
 """Highest angular frequency in rad/s: far above what a plant step can follow."""
 
 TONES = 8
 """Number of sines in band-limited noise."""
+
+SLOW = 1e-8
+"""Angular frequency in rad/s of a square wave that jumps once in a run: its period is 20 years."""
+
+MOST_SWITCHES = 64
+"""Most times of a switched signal: each costs a tone."""
 
 
 class Tone(NamedTuple):
@@ -168,6 +178,69 @@ class Square(_Periodic, frozen=True, kw_only=True, tag_field="kind", tag="square
         return self.mean, (Tone(self.amplitude, self.omega, self.phase, 1.0),)
 
 
+class Switched(
+    msgspec.Struct,
+    frozen=True,
+    kw_only=True,
+    forbid_unknown_fields=True,
+    tag_field="kind",
+    tag="switched",
+):
+    """One value until the first time, another until the second, then the first again, and so on.
+
+    Parameters
+    ----------
+    first, second : float
+        The two values.
+    times : list of float
+        When it switches, in s, increasing.
+
+    Raises
+    ------
+    InputError
+        If a number is not finite, there are no times or more than 64, or they do not increase
+        from 0 or later.
+
+    Examples
+    --------
+    >>> push = Switched(first=2.5, second=-2.5, times=(1.0, 3.0))
+    >>> [signal_value(*push.mean_and_tones, t) for t in (0.5, 2.0, 4.0)]
+    [2.5, -2.5, 2.5]
+    """
+
+    first: float
+    second: float
+    times: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        for name in ("first", "second"):
+            force_setattr(self, name, finite(name, getattr(self, name)))
+        times = tuple(not_negative("times", value) for value in self.times)
+        if not 1 <= len(times) <= MOST_SWITCHES or any(b <= a for a, b in pairwise(times)):
+            raise InputError(
+                f"times = {list(times)}: must be 1 to {MOST_SWITCHES} increasing times in s; write "
+                "for example times = [1.0, 2.5]"
+            )
+        if times[-1] >= 1.0 / SLOW:
+            raise InputError(f"times = {list(times)}: must be below {1.0 / SLOW:g} s")
+        force_setattr(self, "times", times)
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Smallest and largest value."""
+        return min(self.first, self.second), max(self.first, self.second)
+
+    @property
+    def mean_and_tones(self) -> tuple[float, tuple[Tone, ...]]:
+        """Mean and, for each time, a square wave that jumps there and not again in any run."""
+        half = 0.5 * (self.first - self.second)
+        mean = 0.5 * (self.first + self.second) if len(self.times) % 2 else self.first
+        return mean, tuple(
+            Tone(half if i % 2 else -half, SLOW, -SLOW * time, 1.0)
+            for i, time in enumerate(self.times)
+        )
+
+
 class Noise(
     msgspec.Struct,
     frozen=True,
@@ -221,17 +294,40 @@ class Noise(
     @property
     def mean_and_tones(self) -> tuple[float, tuple[Tone, ...]]:
         """Mean and periodic components."""
-        import numpy as np
-
-        rng = np.random.default_rng(self.seed)
-        omegas = self.bandwidth * (np.arange(TONES) + rng.random(TONES)) / TONES
-        phases = 2.0 * math.pi * rng.random(TONES)
-        weights = 0.5 + rng.random(TONES)
+        places, phases, weights = noise_spectrum(self.seed)
+        omegas = self.bandwidth * places / TONES
         amplitudes = self.amplitude * weights / weights.sum()
         return self.mean, tuple(
             Tone(float(a), float(w), float(f), 0.0)
             for a, w, f in zip(amplitudes, omegas, phases, strict=True)
         )
+
+
+def noise_spectrum(seed: int) -> "tuple[NDArray[Any], NDArray[Any], NDArray[Any]]":
+    """What the seed of a `Noise` decides.
+
+    Parameters
+    ----------
+    seed : int
+        Its seed.
+
+    Returns
+    -------
+    three arrays
+        Places of the frequencies, in eighths of the bandwidth; phases in rad; weights, which do not
+        add up to 1.
+
+    Examples
+    --------
+    >>> places, phases, weights = noise_spectrum(7)
+    >>> [int(place) for place in places]
+    [0, 1, 2, 3, 4, 5, 6, 7]
+    """
+    import numpy as np
+
+    rng = np.random.default_rng(seed)
+    places = np.arange(TONES) + rng.random(TONES)
+    return places, 2.0 * math.pi * rng.random(TONES), 0.5 + rng.random(TONES)
 
 
 class Adversary(
@@ -249,7 +345,7 @@ class Adversary(
     """
 
 
-Signal = Constant | Sine | Square | Noise | Adversary
+Signal = Constant | Sine | Square | Switched | Noise | Adversary
 
 
 def signal_value(mean: float, tones: tuple[Tone, ...], t: float) -> float:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from parkproof.bounds import Bounds
 from parkproof.laws.gains import Gains, Switching
@@ -15,6 +16,8 @@ from parkproof.simulation.ensemble import simulate_ensemble
 from parkproof.simulation.metrics import STATE_NAMES
 from parkproof.simulation.outcome import Outcome
 from parkproof.simulation.stress import stress_truths
+
+Floats = NDArray[np.float64]
 
 
 def bounds_of(certificate: dict[str, Any]) -> Bounds:
@@ -255,6 +258,69 @@ class Compared:
         return self.worst / self.proven if self.proven > 0.0 else math.nan
 
 
+@dataclass(frozen=True)
+class Proven:
+    """A proven number, and where its measured counterpart stands.
+
+    Attributes
+    ----------
+    name : str
+        Its name in the claim, with the state or the channel.
+    bound : float
+        The claim.
+    column : str
+        The metric of `simulate_ensemble`.
+    sign : float
+        -1 where the bound is on the metric's negative, 0 where it is on its magnitude.
+
+    Examples
+    --------
+    >>> Proven("x1_at_rest", 0.01, "x1", sign=0.0).sizes(np.array([-0.5, 0.2]))
+    array([0.5, 0.2])
+    """
+
+    name: str
+    bound: float
+    column: str
+    sign: float = 1.0
+
+    def sizes(self, values: Floats) -> Floats:
+        """What must not exceed the bound."""
+        return self.sign * values if self.sign else np.abs(values)
+
+
+def proven_numbers(claim: Mapping[str, Any]) -> list[Proven]:
+    """Every number of a claim, in its order; the range of x0 downwards and upwards.
+
+    Parameters
+    ----------
+    claim : mapping
+        A certificate's section "claim".
+
+    Returns
+    -------
+    list of Proven
+        The total time is the first.
+    """
+    low, high = claim["x0_range"]
+    taus, states = claim["max_tau"], claim["max_abs_state"]
+    return [
+        Proven("total_time", claim["total_time"], "total"),
+        *(Proven(f"max_tau {i}", taus[i - 1], f"peak_tau{i}") for i in (1, 2)),
+        *(
+            Proven(f"max_abs_state {name}", bound, f"max_{name}")
+            for name, bound in zip(STATE_NAMES, states, strict=True)
+        ),
+        *(
+            Proven(name, claim[name], name)
+            for name in ("max_speed", "max_turn_rate", "max_heading")
+        ),
+        Proven("x0_range -", -low, "least_x0", sign=-1.0),
+        Proven("x0_range +", high, "largest_x0"),
+        Proven("x1_at_rest", claim["x1_at_rest"], "x1", sign=0.0),
+    ]
+
+
 def compare(certificate: dict[str, Any], rows: Mapping[str, Any]) -> list[Compared]:
     """Compare every number of a claim with the worst of an ensemble of runs.
 
@@ -274,24 +340,16 @@ def compare(certificate: dict[str, Any], rows: Mapping[str, Any]) -> list[Compar
     --------
     See ``benchmarks/stress.py``.
     """
-    claim = certificate["claim"]
-    low, high = claim["x0_range"]
+    time, *others = proven_numbers(certificate["claim"])
     parked = all(outcome is Outcome.PARKED for outcome in rows["outcome"])
-    taus, states = claim["max_tau"], claim["max_abs_state"]
-    measured = (
-        ("total_time", claim["total_time"], rows["total"] if parked else math.inf),
-        *((f"max_tau {i}", taus[i - 1], rows[f"peak_tau{i}"]) for i in (1, 2)),
+    slowest = float(np.max(rows["total"])) if parked else math.inf
+    return [
+        Compared(time.name, time.bound, slowest),
         *(
-            (f"max_abs_state {name}", bound, rows[f"max_{name}"])
-            for name, bound in zip(STATE_NAMES, states, strict=True)
+            Compared(one.name, one.bound, float(np.max(one.sizes(rows[one.column]))))
+            for one in others
         ),
-        *((name, claim[name], rows[name]) for name in ("max_speed", "max_turn_rate")),
-        ("max_heading", claim["max_heading"], rows["max_heading"]),
-        ("x0_range -", -low, -rows["least_x0"]),
-        ("x0_range +", high, rows["largest_x0"]),
-        ("x1_at_rest", claim["x1_at_rest"], np.abs(rows["x1"])),
-    )
-    return [Compared(name, proven, float(np.max(values))) for name, proven, values in measured]
+    ]
 
 
 def sampling_bands(certificate: dict[str, Any], control_period: float) -> tuple[float, float]:
@@ -324,6 +382,6 @@ def sampling_bands(certificate: dict[str, Any], control_period: float) -> tuple[
     return one, two
 
 
-def _worst(values: "np.ndarray[Any, np.dtype[np.float64]]") -> float | None:
+def _worst(values: Floats) -> float | None:
     known = values[np.isfinite(values)]
     return float(f"{known.max():.4g}") if known.size else None

@@ -1,6 +1,5 @@
 """The page of the reproduction: one self-contained HTML file."""
 
-import base64
 from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
@@ -10,6 +9,7 @@ from parkproof import __version__
 from parkproof.report.claims import Claim, Verdict
 from parkproof.report.evidence import Evidence
 from parkproof.report.findings import FINDINGS
+from parkproof.report.html import STYLE_SHEET, number_text, picture
 from parkproof.simulation.run import Run
 
 NAMES = {
@@ -34,24 +34,12 @@ _PAGE = Template("""<!DOCTYPE html>
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>Section 4, made anew</title>
 <style>
-body { font: 16px/1.5 system-ui, "DejaVu Sans", sans-serif; color: #1b1f24; margin: 0 auto;
-  max-width: 1240px; padding: 1.5rem; }
-h1 { font-size: 1.7rem; margin-bottom: 0.2rem; } h2 { margin-top: 2.4rem; font-size: 1.3rem; }
-p, li { max-width: 75ch; } .lead { color: #444c56; }
-table { border-collapse: collapse; width: 100%; font-size: 0.92rem; }
-th, td { text-align: left; vertical-align: top; padding: 0.45rem 0.7rem;
-  border-bottom: 1px solid #d5d9de; }
-th { border-bottom: 2px solid #8b929b; }
-td.number { font-variant-numeric: tabular-nums; white-space: nowrap; }
+$style
 .verdict { font-weight: 600; white-space: nowrap; }
 .holds { color: #00664c; } .fails { color: #a84300; } .open { color: #57606a; }
 .row { display: grid; grid-template-columns: repeat(auto-fit, minmax(360px, 1fr)); gap: 0.8rem; }
-figure { margin: 0; } figcaption { font-size: 0.88rem; color: #444c56;
-  padding: 0.2rem 0.4rem 0.8rem; }
-img { width: 100%; height: auto; border: 1px solid #e4e7ea; }
 .pairs { display: grid; grid-template-columns: repeat(auto-fit, minmax(480px, 1fr));
   gap: 0.8rem; }
-footer { margin-top: 3rem; color: #57606a; font-size: 0.85rem; }
 </style>
 </head>
 <body>
@@ -74,22 +62,6 @@ so.</footer>
 """)
 
 
-def _image(path: Path, caption: str) -> str:
-    data = base64.b64encode(path.read_bytes()).decode("ascii")
-    text = escape(caption)
-    return (
-        f'<figure><img alt="{text}" src="data:image/png;base64,{data}">'
-        f"<figcaption>{text}</figcaption></figure>"
-    )
-
-
-def _number(value: float | None) -> str:
-    if value is None:
-        return "–"
-    text = f"{value:,.0f}" if abs(value) >= 1000.0 else f"{value:.3g}"
-    return text.replace("-", "−")
-
-
 def _runs(runs: Mapping[str, Run]) -> str:
     """The table of the runs that the figures show."""
     rows = []
@@ -97,13 +69,13 @@ def _runs(runs: Mapping[str, Run]) -> str:
         steps, metrics = run.settling_time.steps, run.metrics
         after = (metrics.max_abs_after_step2 or {}).get("x1")
         cells = [
-            _number(steps["1"]),
-            _number(steps["2"]),
-            _number(steps["3"]),
-            _number(metrics.residual),
-            _number(after),
-            ", ".join(_number(x) for x in metrics.peak_tau),
-            ", ".join(_number(x) for x in metrics.total_variation_tau),
+            number_text(steps["1"]),
+            number_text(steps["2"]),
+            number_text(steps["3"]),
+            number_text(metrics.residual),
+            number_text(after),
+            ", ".join(number_text(x) for x in metrics.peak_tau),
+            ", ".join(number_text(x) for x in metrics.total_variation_tau),
         ]
         numbers = "".join(f'<td class="number">{cell}</td>' for cell in cells)
         rows.append(f"<tr><td>{NAMES[name]}</td><td>{run.outcome.value}</td>{numbers}</tr>")
@@ -135,7 +107,10 @@ def _figures(runs: Mapping[str, Run], directory: Path) -> str:
     parts = ["<h2>Figures 3 to 8</h2>"]
     for number, caption in CAPTIONS.items():
         images = [
-            _image(directory / name / f"figure{number}.png", f"Figure {number}. {NAMES[name]}")
+            picture(
+                (directory / name / f"figure{number}.png").read_bytes(),
+                f"Figure {number}. {NAMES[name]}",
+            )
             for name in runs
         ]
         heading = f"<h3>Figure {number}: {escape(caption)}</h3>"
@@ -147,7 +122,7 @@ def _findings(evidence: Evidence, directory: Path) -> str:
     """Pictures of the findings, and the convergence study in a sentence."""
     images = []
     for name, (heading, _) in FINDINGS.items():
-        image = _image(directory / "findings" / f"{name}.png", heading)
+        image = picture((directory / "findings" / f"{name}.png").read_bytes(), heading)
         images.append(image)
     errors = "; ".join(
         f"{1e3 * step:g} ms: {error:.0e}" for step, error in evidence.plant_errors.items()
@@ -195,6 +170,7 @@ def write_page(
     True
     """
     text = _PAGE.substitute(
+        style=STYLE_SHEET,
         version=__version__,
         runs=_runs(runs),
         claims=_claims(claims) if claims else "",

@@ -163,7 +163,7 @@ def types_at(root: type, place: Place, value: object = None) -> Types:
     >>> types_at(Scenario, ("run", "duraton"))
     ()
     """
-    types: Types = (inspect.type_info(root),)
+    types: Types = alternatives(inspect.type_info(root))
     for key in place:
         types = tuple(t for node in _narrowed(types, value) for t in _below(node, key))
         value = item(value, key)

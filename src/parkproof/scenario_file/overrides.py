@@ -58,12 +58,12 @@ def apply_overrides(data: dict[str, Any], overrides: Sequence[str], root: type) 
             raise InputError(
                 f"--set {plain(expression)}: needs key=value, for example --set run.duration=35"
             )
-        _check_known(place, key.strip(), root)
+        check_known(place, root, f"--set {key.strip()}")
         for other in _REPLACED.get(place, ()):
             start = data.get("start")
             if isinstance(start, dict):
                 start.pop(other, None)
-        _put(data, place, _value(text.strip()), f"--set {plain(expression)}")
+        put(data, place, _value(text.strip()), f"--set {plain(expression)}")
 
 
 def _value(text: str) -> Any:
@@ -75,8 +75,31 @@ def _value(text: str) -> Any:
     return read["value"] if len(read) == 1 else text
 
 
-def _check_known(place: Place, key: str, root: type) -> None:
-    """Raise if no scenario file can hold this place, and name the nearest that it can."""
+def check_known(place: Place, root: type, where: str) -> None:
+    """Raise if no file can hold this place, and name the nearest that it can.
+
+    Parameters
+    ----------
+    place : tuple
+        Keys and indices.
+    root : type
+        The structure that the file should have.
+    where : str
+        What a message begins with.
+
+    Raises
+    ------
+    InputError
+        If the place is unknown.
+
+    Examples
+    --------
+    >>> from parkproof.scenario import Scenario
+    >>> check_known(("run", "duraton"), Scenario, "--set run.duraton")
+    Traceback (most recent call last):
+    ...
+    parkproof.errors.InputError: --set run.duraton: unknown key; did you mean run.duration?
+    """
     for end in range(1, len(place) + 1):
         if types_at(root, place[:end]):
             continue
@@ -88,11 +111,35 @@ def _check_known(place: Place, key: str, root: type) -> None:
         else:
             remedy = f"set {dotted(place[: end - 1])} as a whole"
         lacking = "no such element" if isinstance(place[end - 1], int) else "unknown key"
-        raise InputError(f"--set {key}: {lacking}; {remedy}")
+        raise InputError(f"{where}: {lacking}; {remedy}")
 
 
-def _put(data: dict[str, Any], place: Place, value: Any, where: str) -> None:
-    """Set one place, making tables on the way."""
+def put(data: dict[str, Any], place: Place, value: Any, where: str) -> None:
+    """Set one place, making tables on the way.
+
+    Parameters
+    ----------
+    data : dict
+        What the file holds; changed in place.
+    place : tuple
+        Keys and indices.
+    value : object
+        What is to stand there.
+    where : str
+        What a message begins with.
+
+    Raises
+    ------
+    InputError
+        If there is no table or list that can hold the value.
+
+    Examples
+    --------
+    >>> data = {"truth": {"alpha": [1.0, 1.0]}}
+    >>> put(data, ("truth", "alpha", 1), 0.8, "example")
+    >>> data
+    {'truth': {'alpha': [1.0, 0.8]}}
+    """
     holder: Any = data
     for depth, (key, following) in enumerate(zip(place, (*place[1:], None), strict=True)):
         fits = isinstance(holder, dict) if isinstance(key, str) else isinstance(holder, list)

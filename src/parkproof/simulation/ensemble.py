@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from threading import Lock
 from typing import Any
 
 import msgspec
@@ -11,7 +12,6 @@ from numpy.typing import NDArray
 
 from parkproof.errors import InputError
 from parkproof.laws.parameters import LawParameters, law_parameters
-from parkproof.model.truth import Resolved, channel, scales
 from parkproof.scenario import Scenario
 from parkproof.simulation.lanes.buffer import (
     BLOCK,
@@ -22,11 +22,14 @@ from parkproof.simulation.lanes.buffer import (
     Sensing,
 )
 from parkproof.simulation.metrics import RESIDUAL_WINDOW, STATE_NAMES
-from parkproof.simulation.noise import keys_of
 from parkproof.simulation.outcome import Outcome
-from parkproof.simulation.run import HOLD, plant_steps
+from parkproof.simulation.run import HOLD, integration_steps
+from parkproof.simulation.trials import Trials, trials_of
 
 Floats = NDArray[np.float64]
+
+_ONE_AT_A_TIME = Lock()
+"""Threads that ask for one kernel at once would else each compile one."""
 
 
 def _shared(scenario: Scenario) -> tuple[Any, ...]:
@@ -38,49 +41,14 @@ def _shared(scenario: Scenario) -> tuple[Any, ...]:
     )  # fmt: skip
 
 
-def _signals(trials: Sequence[Sequence[Resolved]], lanes: int, least: int) -> tuple[Floats, Floats]:
-    """Means and tones of each trial's signals, with room for at least so many tones."""
-    most = max(least, *(len(tones) for signals in trials for _, tones in signals))
-    means, waves = np.empty((len(trials[0]), lanes)), np.zeros((len(trials[0]), most, 4, lanes))
-    for j in range(lanes):
-        for i, (mean, tones) in enumerate(trials[min(j, len(trials) - 1)]):
-            means[i, j] = mean
-            for m, tone in enumerate(tones):
-                waves[i, m, :, j] = tone
-    return means, waves
-
-
-def _lanes(scenarios: Sequence[Scenario]) -> tuple[NDArray[Any], ...]:
-    """Arrays of starts, truths and keys of noise, padded to whole blocks with the last trial."""
-    channels = [[channel(i, s.truth, s.bounds) for i in range(2)] for s in scenarios]
-    n = -(-len(scenarios) // BLOCK) * BLOCK
-    state, in_chart, adversary = np.empty((5, n)), np.empty(n), np.empty((2, n))
-    keys = np.empty((2, n), dtype=np.int64)
-    for j in range(n):
-        k = min(j, len(scenarios) - 1)
-        scenario, (one, two) = scenarios[k], channels[k]
-        chained = scenario.start.chained
-        state[:, j] = chained or (*scenario.start_pose, *scenario.start_velocity)
-        in_chart[j] = 1.0 if chained else 0.0
-        keys[:, j] = keys_of(scenario.run.seed)
-        adversary[:, j] = one.phi_adversary, two.phi_adversary
-    inputs = [
-        (*((c.gamma_mean, c.gamma_tones) for c in two), *((c.phi_mean, c.phi_tones) for c in two))
-        for two in channels
-    ]
-    # where no α and no b2 varies there are no tones, and the kernel is done with them at once
-    gains = _signals([scales(s.truth, s.bounds) for s in scenarios], n, 0)
-    return state, in_chart, *gains, *_signals(inputs, n, 1), adversary, keys
-
-
 def simulate_ensemble(scenarios: Sequence[Scenario], *, threads: int = 1) -> dict[str, Any]:
     """Carry out many runs in compiled lanes.
 
     Parameters
     ----------
     scenarios : sequence of Scenario
-        Trials of robots of kind "chained". They may differ in start, truth and
-        ``run.seed`` only.
+        Trials. They may differ in start, truth, camera and ``run.seed`` only, and have a camera all
+        or none.
     threads : int
         Number of threads; a trial's result does not depend on it.
 
@@ -114,32 +82,54 @@ def simulate_ensemble(scenarios: Sequence[Scenario], *, threads: int = 1) -> dic
     first = scenarios[0]
     if any(_shared(s) != _shared(first) for s in scenarios[1:]):
         raise InputError(
-            "the trials of an ensemble differ in more than start and truth (and run.seed): "
+            "the trials of an ensemble differ in more than start and truth, camera and run.seed: "
             "run an ensemble for each law, gains, bounds and run settings"
         )
-    if any(s.camera is not None for s in scenarios):
-        raise InputError(
-            "lanes carry out scenarios under the paper's camera only: leave out [camera], or use "
-            "simulate()"
-        )
-    if first.robot.kind != "chained":
-        raise InputError(
-            f'robot.kind = "{first.robot.kind}": lanes carry out robots of kind "chained" only; '
-            "use simulate() for this one"
-        )
+    return simulate_trials(first, trials_of(scenarios), threads=threads)
+
+
+def simulate_trials(scenario: Scenario, trials: Trials, *, threads: int = 1) -> dict[str, Any]:
+    """Carry out many runs in compiled lanes, their starts and truths given as arrays.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What all trials share: law, bounds, gains, switching, run (but for its seed), robot and
+        limits. Its own start, truth and camera do not matter.
+    trials : Trials
+        In what they differ.
+    threads : int
+        Number of threads; a trial's result does not depend on it.
+
+    Returns
+    -------
+    dict of str to array
+        As from `simulate_ensemble`.
+
+    Examples
+    --------
+    >>> from parkproof.scenario import RunSettings, Start
+    >>> scenario = Scenario(law="corrected", start=Start(pose=(-1.0, 0.1, 0.0)),
+    ...                     run=RunSettings(duration=12.0, control_period=0.01))
+    >>> simulate_trials(scenario, trials_of([scenario]))["outcome"][0].value
+    'parked'
+    """
     from parkproof.simulation.lanes.kernel import kernel_of
 
-    run, limits = first.run, first.limits
+    run, limits = scenario.run, scenario.limits
     sensing = Sensing(run.delay_samples, run.deviations)
-    kernel = kernel_of(
-        first.law,
-        implicit=run.discretisation == "implicit",
-        exact=sensing.delay == 0 and not any(sensing.deviations),
-    )
+    with _ONE_AT_A_TIME:
+        kernel = kernel_of(
+            scenario.law,
+            implicit=run.discretisation == "implicit",
+            exact=sensing.delay == 0 and not any(sensing.deviations),
+            robot=scenario.robot.kind,
+            camera=trials.have_cameras,
+        )
     p = law_parameters(
-        bounds=first.bounds,
-        gains=first.gains,
-        switching=first.switching,
+        bounds=scenario.bounds,
+        gains=scenario.gains,
+        switching=scenario.switching,
         control_period=run.control_period,
         discretisation=run.discretisation,
         saturation=limits.saturation,
@@ -153,46 +143,56 @@ def simulate_ensemble(scenarios: Sequence[Scenario], *, threads: int = 1) -> dic
         limits.turn_rate or none,
         *(limits.view or (-none, none, -none, none)),
     )
-    out = np.empty((len(RESULTS), len(scenarios)))
-    # signals that jump ask for smaller steps: lanes of one block share theirs
-    steps = np.array([plant_steps(scenario) for scenario in scenarios])
+    out = np.empty((len(RESULTS), len(trials)))
+    smooth, jumping = (integration_steps(run, jumps=jumps) for jumps in (False, True))
+    sizes = np.where(trials.jump, jumping, smooth)
     with ThreadPoolExecutor(threads) as pool:
-        for size in np.unique(steps).tolist():
-            alike = np.flatnonzero(steps == size)
-            some = [scenarios[i] for i in alike.tolist()]
-            shared = (p, clock._replace(plant_steps=size), lane_limits, sensing)
-            out[:, alike] = _carry_out(kernel, shared, some, pool)
-    return _results(dict(zip(RESULTS, out, strict=True)), first, clock)
+        # signals that jump ask for smaller steps: lanes of one block share theirs
+        for size in sorted({smooth, jumping}):
+            alike = np.flatnonzero(sizes == size)
+            if alike.size:
+                shared = (p, clock._replace(plant_steps=size), lane_limits, sensing)
+                some = trials if alike.size == len(trials) else trials.some(alike)
+                out[:, alike] = _carry_out(kernel, shared, some, pool)
+    return _results(dict(zip(RESULTS, out, strict=True)), scenario, clock)
 
 
 def _carry_out(
     kernel: Callable[..., None],
     shared: tuple[LawParameters, Clock, LaneLimits, Sensing],
-    scenarios: Sequence[Scenario],
+    trials: Trials,
     pool: ThreadPoolExecutor,
 ) -> Floats:
     """The kernel's rows of trials that share an integration step, block by block."""
-    arrays = _lanes(scenarios)
+    arrays = trials.arrays
 
     def block(begin: int) -> Floats:
-        lanes = slice(begin, begin + BLOCK)
+        # the last block is filled up with its last trial
+        lanes = np.minimum(np.arange(begin, begin + BLOCK), len(trials) - 1)
         parts = [np.ascontiguousarray(a[..., lanes]) for a in arrays]
         rows = np.empty((len(RESULTS), BLOCK))
         kernel(*shared, *parts, rows)
         return rows
 
-    blocks = list(pool.map(block, range(0, arrays[0].shape[1], BLOCK)))
-    return np.hstack(blocks)[:, : len(scenarios)]
+    blocks = list(pool.map(block, range(0, len(trials), BLOCK)))
+    return np.hstack(blocks)[:, : len(trials)]
 
 
-_ENDS = (
-    None,
-    Outcome.DIVERGED,
-    Outcome.OUT_OF_VIEW,
-    Outcome.LEFT_CHART,
-    Outcome.INPUT_LIMIT,
-    Outcome.SPEED_LIMIT,
+_ENDS = np.array(
+    [
+        None,  # a trial that ran to its end, whose last step and pose then decide
+        Outcome.DIVERGED,
+        Outcome.OUT_OF_VIEW,
+        Outcome.LEFT_CHART,
+        Outcome.INPUT_LIMIT,
+        Outcome.SPEED_LIMIT,
+        Outcome.PARKED,
+        Outcome.MISSED,
+        Outcome.STILL_MOVING,
+    ],
+    dtype=object,
 )
+_PARKED, _MISSED, _STILL_MOVING = 6, 7, 8
 
 
 def _results(rows: dict[str, Floats], scenario: Scenario, clock: Clock) -> dict[str, Any]:
@@ -205,15 +205,9 @@ def _results(rows: dict[str, Floats], scenario: Scenario, clock: Clock) -> dict[
         & (rows["held1"] <= factor * across)
         & (rows["held2"] <= factor * across)
     )
-    outcome = np.array(
-        [
-            _ENDS[int(code)]
-            or ((Outcome.PARKED if kept else Outcome.MISSED) if done else Outcome.STILL_MOVING)
-            for code, done, kept in zip(rows["ended"], finished, inside, strict=True)
-        ],
-        dtype=object,
-    )
     early = rows["ended"] > 0
+    at_the_end = np.where(finished, np.where(inside, _PARKED, _MISSED), _STILL_MOVING)
+    outcome = _ENDS[np.where(early, rows["ended"], at_the_end).astype(int)]
     elapsed = np.where(early, rows["ended_at"], clock.samples * clock.period)
     # a trial that could not go on from a sample was not recorded there; one over a limit was
     unrecorded = early & (rows["ended"] <= LEFT_CHART)

@@ -2,7 +2,9 @@
 
 A call of the mathematics library would keep the compiler from turning the loop over lanes into
 vector instructions; these forms are inlined. Their error against the library is pinned by a test.
-Imported only when lanes are first compiled.
+The polynomials interpolate in Chebyshev's points, worked out with 60 digits. Multiplications and
+additions are fused where it says so, and nowhere else, so that results do not depend on the loop
+that a function is compiled into, nor on the machine.
 """
 
 import math
@@ -12,14 +14,8 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic, overload, register_jitable
 
-from parkproof.scalar import MARKED, sine, spow
-
-OPTIONS: dict[str, Any] = {
-    # numba's default error model leaves the loop at every division, and it stays scalar then
-    "error_model": "numpy",
-    # not "reassoc": it would fold the rounding trick below away
-    "fastmath": {"nsz", "arcp", "contract", "afn"},
-}
+from parkproof.scalar import sine, spow, tangent
+from parkproof.simulation.compiler import OPTIONS
 
 ROUNDER = 6755399441055744.0
 """1.5·2⁵²: adding it to a number below 2⁵¹ rounds to an integer, held in the last bits."""
@@ -27,14 +23,24 @@ ROUNDER_BITS = 0x4338000000000000
 SQRT_HALF_BITS = 0x3FE6A09E667F3BCD
 SMALLEST_NORMAL = 2.2250738585072014e-308
 
-# log2(m) = 2/ln 2 · (f + f³/3 + f⁵/5 + …) with f = (m − 1)/(m + 1)
-LOG = tuple(2.0 / math.log(2.0) / (2 * i + 1) for i in range(11))
-# 2^r = Σ (r ln 2)^i / i!
-EXP = tuple(math.log(2.0) ** i / math.factorial(i) for i in range(14))
-# sin r = Σ (−1)^i r^(2i+1) / (2i + 1)!
-SIN = tuple((-1.0) ** i / math.factorial(2 * i + 1) for i in range(11))
-# π in three parts, the first two short, so that multiples of them are exact
-PI_PARTS = (3.141592651605606, 1.9841871583270443e-09, 1.034036596358821e-18)
+# log2(m)/f as a polynomial in f², f = (m − 1)/(m + 1), m from √½ to √2
+LOG = (
+    2.885390081777927, 0.9617966939243335, 0.5770780172467822, 0.4121984019742357,
+    0.3206163935263423, 0.26144407006393944, 0.2429183013526297,
+)  # fmt: skip
+# 2^r for |r| ≤ ½
+EXP = (
+    1.0, 0.69314718055995, 0.24022650695910097, 0.05550410866444772, 0.009618129107606888,
+    0.0013333558230164974, 0.0001540353044173605, 1.5252657260200837e-05, 1.321544258792169e-06,
+    1.0208690299958306e-07, 7.072585949269223e-09,
+)  # fmt: skip
+# (sin r − r)/r³ as a polynomial in r², |r| ≤ π/2
+SIN = (
+    -0.16666666666666666, 0.008333333333333316, -0.00019841269841254966, 2.7557319219160833e-06,
+    -2.505210761669045e-08, 1.6058977292642743e-10, -7.643969663988074e-13, 2.7314368769379893e-15,
+)  # fmt: skip
+PI_REST = 1.2246467991473532e-16
+"""What π is more than the nearest double."""
 
 
 @intrinsic
@@ -57,6 +63,16 @@ def double_of(_context: Any, bits: Any) -> Any:  # noqa: ARG001
     return types.float64(types.int64), generate
 
 
+@intrinsic
+def fused(_context: Any, x: Any, y: Any, z: Any) -> Any:  # noqa: ARG001
+    """x·y + z, rounded once."""
+
+    def generate(_ctx: Any, builder: Any, _signature: Any, args: Any) -> Any:
+        return builder.fma(*args)
+
+    return types.float64(types.float64, types.float64, types.float64), generate
+
+
 def _spow_polynomial(x: float, p: float) -> float:
     """⌈x⌋^p = sign(x)·2^(p·log2|x|); 0 where |x| is below the smallest normal number."""
     size = abs(x)
@@ -66,64 +82,48 @@ def _spow_polynomial(x: float, p: float) -> float:
     f = (m - 1.0) / (m + 1.0)
     g = f * f
     g2 = g * g
-    g4 = g2 * g2
-    low = (LOG[1] + LOG[2] * g) + (LOG[3] + LOG[4] * g) * g2
-    high = (LOG[5] + LOG[6] * g) + (LOG[7] + LOG[8] * g) * g2
-    series = low + (high + (LOG[9] + LOG[10] * g) * g4) * g4
-    log2 = (double_of(exponent + ROUNDER_BITS) - ROUNDER) + f * (LOG[0] + g * series)
+    low = fused(fused(LOG[3], g, LOG[2]), g2, fused(LOG[1], g, LOG[0]))
+    high = fused(LOG[6], g2, fused(LOG[5], g, LOG[4]))
+    log2 = fused(f, fused(high, g2 * g2, low), double_of(exponent + ROUNDER_BITS) - ROUNDER)
 
-    y = max(-1022.0, min(1023.0, p * log2))
+    y = max(-1021.0, min(1023.0, p * log2))
     shifted = y + ROUNDER
     r = y - (shifted - ROUNDER)
     r2 = r * r
     r4 = r2 * r2
-    first = (EXP[0] + EXP[1] * r) + (EXP[2] + EXP[3] * r) * r2
-    second = (EXP[4] + EXP[5] * r) + (EXP[6] + EXP[7] * r) * r2
-    third = (EXP[8] + EXP[9] * r) + (EXP[10] + EXP[11] * r) * r2
-    fraction = first + (second + (third + (EXP[12] + EXP[13] * r) * r4) * r4) * r4
-    power = fraction * double_of(((bits_of(shifted) - ROUNDER_BITS) + 1023) << 52)
-    return math.copysign(power, x) if size >= SMALLEST_NORMAL else 0.0
+    first = fused(fused(EXP[3], r, EXP[2]), r2, fused(EXP[1], r, EXP[0]))
+    second = fused(fused(EXP[7], r, EXP[6]), r2, fused(EXP[5], r, EXP[4]))
+    third = fused(EXP[10], r2, fused(EXP[9], r, EXP[8]))
+    fraction = fused(fused(third, r4, second), r4, first)
+    power = double_of(bits_of(fraction) + (bits_of(shifted) << 52))
+    # where the compiler knows the exponent to be 1, nothing is left of all this
+    signed = x if p == 1.0 else math.copysign(power, x)
+    return signed if size >= SMALLEST_NORMAL else 0.0
 
 
 def _sine_polynomial(x: float) -> float:
-    """Sine by reduction to [−π/2, π/2]; exact reduction for |x| below about 10⁶."""
-    shifted = x * (1.0 / math.pi) + ROUNDER
+    """Sine by reduction to [−π/2, π/2]; accurate for |x| below about 10⁶."""
+    shifted = fused(x, 1.0 / math.pi, ROUNDER)
     k = shifted - ROUNDER
-    r = ((x - k * PI_PARTS[0]) - k * PI_PARTS[1]) - k * PI_PARTS[2]
+    r = fused(-k, PI_REST, fused(-k, math.pi, x))
     g = r * r
-    g2 = g * g
-    g4 = g2 * g2
-    low = (SIN[1] + SIN[2] * g) + (SIN[3] + SIN[4] * g) * g2
-    high = (SIN[5] + SIN[6] * g) + (SIN[7] + SIN[8] * g) * g2
-    series = low + (high + (SIN[9] + SIN[10] * g) * g4) * g4
-    value = r + r * g * series
+    series = SIN[7]
+    series = fused(series, g, SIN[6])
+    series = fused(series, g, SIN[5])
+    series = fused(series, g, SIN[4])
+    series = fused(series, g, SIN[3])
+    series = fused(series, g, SIN[2])
+    series = fused(series, g, SIN[1])
+    series = fused(series, g, SIN[0])
+    value = fused(r * g, series, r)
     return double_of(bits_of(value) ^ (bits_of(shifted) << 63))
 
 
-_REGISTERED: set[Any] = set()
-
-
-def register() -> None:
-    """Hand every marked function and the polynomial primitives to the compiler.
-
-    May be called again after more functions have been marked.
-
-    Examples
-    --------
-    >>> register()
-    """
-    inline = register_jitable(forceinline=True, **OPTIONS)
-    if not _REGISTERED:
-        _register_primitives(inline)
-    for function in MARKED:
-        if function not in _REGISTERED:
-            inline(function)
-            _REGISTERED.add(function)
-
-
-def _register_primitives(inline: Any) -> None:
-    power, wave = inline(_spow_polynomial), inline(_sine_polynomial)
+def replace_primitives() -> None:
+    """Give the primitives these forms in compiled code."""
     options = {"forceinline": True, **OPTIONS}
+    inline = register_jitable(**options)
+    power, wave = inline(_spow_polynomial), inline(_sine_polynomial)
 
     # numba compares the argument lists of both functions, annotations included: hence Any on both
     @overload(spow, jit_options=options)
@@ -139,3 +139,10 @@ def _register_primitives(inline: Any) -> None:
             return wave(x)
 
         return polynomial
+
+    @overload(tangent, jit_options=options)
+    def choose_tangent(x: Any) -> Any:  # noqa: ARG001
+        def quotient(x: Any) -> Any:
+            return wave(x) / wave(x + 0.5 * math.pi)
+
+        return quotient

@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from parkproof.laws.controller import Command, Controller, Measurement
-from parkproof.model.overhead import ImageGains
-from parkproof.model.signals import Square
+from parkproof.model.signals import Square, Switched
 from parkproof.model.truth import channel, scales
-from parkproof.scenario import DIVERGED_AT, Scenario
+from parkproof.scenario import DIVERGED_AT, RunSettings, Scenario
 from parkproof.simulation.metrics import Metrics, metrics_of
 from parkproof.simulation.outcome import Outcome
 from parkproof.simulation.plant import Plant
@@ -88,38 +87,38 @@ def plant_steps(scenario: Scenario) -> int:
 
     Examples
     --------
-    >>> from parkproof.scenario import RunSettings, Start
+    >>> from parkproof.scenario import Start
     >>> plant_steps(Scenario(law="corrected", start=Start(pose=(0, 0, 0)),
     ...                      run=RunSettings(control_period=0.01)))
     10
     """
-    jumps = any(isinstance(signal, Square) for signal in scenario.truth.signals)
-    step = scenario.run.plant_step or (2e-4 if jumps else 1e-3)
-    return max(1, math.ceil(scenario.run.control_period / step - 1e-9))
+    jumps = any(isinstance(signal, Square | Switched) for signal in scenario.truth.signals)
+    return integration_steps(scenario.run, jumps=jumps)
 
 
-def image_gains_of(scenario: Scenario) -> ImageGains:
-    """Gains of the true camera as a function of the image pose.
+def integration_steps(run: RunSettings, *, jumps: bool) -> int:
+    """Number of integration steps of the plant in one control period.
 
     Parameters
     ----------
-    scenario : Scenario
-        Its camera; the paper's, which has truth.alpha to multiply them, has none of its own.
+    run : RunSettings
+        With ``plant_step``, or without.
+    jumps : bool
+        Whether a signal jumps.
 
     Returns
     -------
-    callable
-        (x, y, cos θ, sin θ) → (g0, g1, β).
+    int
+        At least 1.
 
     Examples
     --------
-    >>> from parkproof.scenario import Start
-    >>> image_gains_of(Scenario(law="corrected", start=Start(pose=(0, 0, 0))))(0, 0, 1, 0)
-    (1.0, 1.0, 1.0)
+    >>> run = RunSettings(control_period=0.01)
+    >>> integration_steps(run, jumps=False), integration_steps(run, jumps=True)
+    (10, 50)
     """
-    if scenario.camera is not None:
-        return scenario.camera.view.gains
-    return lambda x, y, c, s: (1.0, 1.0, 1.0)  # noqa: ARG005
+    step = run.plant_step or (2e-4 if jumps else 1e-3)
+    return max(1, math.ceil(run.control_period / step - 1e-9))
 
 
 def simulate(scenario: Scenario, *, progress: Callable[[float], None] | None = None) -> Run:
@@ -161,7 +160,7 @@ def simulate(scenario: Scenario, *, progress: Callable[[float], None] | None = N
             channel(0, scenario.truth, scenario.bounds),
             channel(1, scenario.truth, scenario.bounds),
         ),
-        image_gains=image_gains_of(scenario),
+        camera=None if scenario.camera is None else scenario.camera.view.from_goal.entries,
         scales=scales(scenario.truth, scenario.bounds),
         pose=scenario.start_pose,
         velocity=scenario.start_velocity,

@@ -146,3 +146,91 @@ def turning_step(
         v + w * (start1 + 4.0 * middle1 + end1),
         omega + w * (start2 + 4.0 * middle2 + end2),
     )
+
+
+@scalar
+def chained_euler_step(
+    x0: float,
+    x1: float,
+    x2: float,
+    u0: float,
+    u1: float,
+    scales: Scales,
+    rate1: float,
+    rate2: float,
+    h: float,
+) -> FiveFloats:
+    """One explicit Euler step of (6).
+
+    Simulations elsewhere mostly take such steps; this one is for comparisons with them.
+
+    Parameters
+    ----------
+    x0, x1, x2, u0, u1 : float
+        State.
+    scales : three floats
+        α1, α2 and b2 at the step's start.
+    rate1, rate2 : float
+        u̇0 and u̇1 at the step's start.
+    h : float
+        Step in s.
+
+    Returns
+    -------
+    tuple of 5 floats
+        State at the step's end.
+
+    Examples
+    --------
+    >>> chained_euler_step(0.0, 0.0, 0.5, 1.0, 0.0, (1.0, 1.0, 1.0), 2.0, 2.0, 0.1)
+    (0.1, 0.05, 0.5, 1.2, 0.2)
+    """
+    a0, a1, a2 = scales
+    p0, p1, p2 = chained_rates(x2, u0, u1, a0, a1, a2)
+    return x0 + h * p0, x1 + h * p1, x2 + h * p2, u0 + h * rate1, u1 + h * rate2
+
+
+@scalar
+def turning_euler_step(
+    x: float,
+    y: float,
+    theta: float,
+    v: float,
+    omega: float,
+    scales: Scales,
+    rate1: float,
+    rate2: float,
+    h: float,
+) -> FiveFloats:
+    """One explicit Euler step outside the chart.
+
+    Parameters
+    ----------
+    x, y, theta, v, omega : float
+        State.
+    scales : three floats
+        α1, α2 and b2 at the step's start.
+    rate1, rate2 : float
+        v̇ and ω̇ at the step's start.
+    h : float
+        Step in s.
+
+    Returns
+    -------
+    tuple of 5 floats
+        State at the step's end.
+
+    Examples
+    --------
+    >>> turning_euler_step(0.0, 0.0, 0.0, 1.0, 0.5, (1.0, 1.0, 1.0), 2.0, 2.0, 0.1)
+    (0.1, 0.0, 0.05, 1.2, 0.7)
+    """
+    a0, a1, a2 = scales
+    along, across = a0 * v * cosine(theta), a1 * v * sine(theta)
+    return (
+        x + h * along,
+        y + h * across,
+        theta + h * (a2 * omega),
+        v + h * rate1,
+        omega + h * rate2,
+    )

@@ -17,6 +17,7 @@ TEMPLATES = {
 
 SPECIFICATIONS = {
     "design": "no scenario, but what parkproof design is to find gains for",
+    "campaign": "a scenario and what differs from trial to trial, for parkproof campaign",
     "world": "no scenario, but the simulated laboratory of parkproof lab",
     "robot": "no scenario, but the robot of a real laboratory: address, limits, wheels",
 }

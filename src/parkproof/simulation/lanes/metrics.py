@@ -1,19 +1,24 @@
 """Metrics and ends of a block of lanes.
 
-Compiled code: arrays ``b`` are the buffer of `parkproof.simulation.lanes.buffer`.
+Compiled code: ``b`` is the buffer of `parkproof.simulation.lanes.buffer`. What every sample needs
+is done for all lanes at once; what is rare, one lane at a time. A lane that ends hands in its
+results there and then and stays behind as an idle one, so that no other loop has to leave it out.
 """
 
 import math
 
-import numba
+from numba.extending import register_jitable
 
+from parkproof.simulation.compiler import OPTIONS
 from parkproof.simulation.lanes.buffer import (
+    BEFORE,
     BLOCK,
     CHART,
     DIVERGED,
     END0,
     ENDED,
     ENDED_AT,
+    ENDING,
     EXCURSION2,
     HEADING,
     HELD0,
@@ -28,14 +33,16 @@ from parkproof.simulation.lanes.buffer import (
     MAX2,
     MAX3,
     MAX4,
-    OLD0,
-    OLD1,
+    NEW1,
+    NEW2,
+    NEXT,
     OUT_OF_VIEW,
     PEAK1,
     PEAK2,
     RESIDUAL0,
     RESIDUAL1,
     RESIDUAL2,
+    RESULTS,
     RETURNS,
     S0,
     S1,
@@ -47,101 +54,147 @@ from parkproof.simulation.lanes.buffer import (
     SQUARE1,
     SQUARE2,
     STEP,
-    STEP_BEFORE,
     TAU1,
     TAU2,
     TURN_RATE,
+    TURN_SQUARE,
     VARIATION1,
     VARIATION2,
+    WAY,
 )
-from parkproof.simulation.polynomials import OPTIONS
 
-compiled = numba.njit(nogil=True, **OPTIONS)
-inlined = numba.njit(forceinline=True, **OPTIONS)
+inlined = register_jitable(forceinline=True, **OPTIONS)
+RESULT_ROWS = len(RESULTS)
 
 
 @inlined
-def count(b, row, value):
-    """Count the lanes with a given value in a row."""
+def hand_in(b, t, last, out, idle):
+    """Write the results of lanes that end, or of all that are left; say how many.
+
+    A lane that ends before the others idles at the goal from here on.
+    """
     found = 0
     for j in range(BLOCK):
-        found += 1 if b[row, j] == value else 0
+        if b[ENDED + j] == 0.0 and (last or b[ENDING + j] > 0.0):
+            if b[ENDING + j] > 0.0:
+                b[ENDED + j], b[ENDED_AT + j] = b[ENDING + j], t
+            for i in range(RESULT_ROWS):
+                out[i, j] = b[i * BLOCK + j]
+            out[MAX0 // BLOCK, j] = max(-b[LOW0 + j], b[HIGH0 + j])
+            out[SPEED // BLOCK, j] = math.sqrt(b[SPEED + j])
+            out[TURN_RATE // BLOCK, j] = b[TURN_RATE + j] / b[TURN_SQUARE + j]
+            for i in range(5):
+                b[S0 + i * BLOCK + j] = 0.0
+            b[STEP + j], b[NEXT + j], b[WAY + j], b[CHART + j] = 4.0, 4.0, 1.0, 1.0
+            idle(b, j)
+            found += 1
+        b[ENDING + j] = 0.0
     return found
 
 
-@compiled
-def watch(b, t, limits, turns):
-    """End lanes that cannot go on from this measurement."""
-    for j in range(BLOCK):
-        x2 = b[S2, j] if b[CHART, j] == 1.0 else 0.0
-        square = 1.0 + x2 * x2
-        speed = abs(b[S3, j]) * math.sqrt(square)
-        rate = abs(b[S4, j]) / square
-        x, y = b[S0, j], b[S1, j]
-        sound = max(abs(x), abs(y), speed, rate) < 1e6
-        seen = x >= limits.x_min and x <= limits.x_max and y >= limits.y_min and y <= limits.y_max
-        inside = turns or abs(x2) < 1e6
-        code = (
-            DIVERGED
-            if not sound
-            else (OUT_OF_VIEW if not seen else (LEFT_CHART if not inside else 0.0))
-        )
-        ends = b[ENDED, j] == 0.0 and code > 0.0
-        b[ENDED, j] = code if ends else b[ENDED, j]
-        b[ENDED_AT, j] = t if ends else b[ENDED_AT, j]
+@inlined
+def end_code(b, camera, j, limits, turns, pictured):
+    """Why a lane cannot go on from this measurement, or 0."""
+    x, y = b[S0 + j], b[S1 + j]
+    x2 = b[S2 + j] if b[CHART + j] == 1.0 else 0.0
+    square = 1.0 + x2 * x2
+    slow = b[S3 + j] * b[S3 + j] * square < 1e12 and abs(b[S4 + j]) < 1e6 * square
+    sound = max(abs(x), abs(y)) < 1e6 and slow
+    inside = pictured(camera, j, x, y)
+    seen = x >= limits.x_min and x <= limits.x_max and y >= limits.y_min and y <= limits.y_max
+    charted = turns or abs(x2) < 1e6
+    code = 0.0 if charted else LEFT_CHART
+    return DIVERGED if not sound else (code if seen and inside else OUT_OF_VIEW)
 
 
-@compiled
-def measure(b, t, first, residual_from, limits):
-    """Update metrics of the lanes that are still running; then end those beyond their limits."""
+@inlined
+def mark_ends(b, camera, limits, turns, pictured):
+    """Mark lanes that cannot go on from this measurement, and say how many."""
+    found = 0
     for j in range(BLOCK):
-        live = b[ENDED, j] == 0.0
-        step, before = b[STEP, j], b[STEP_BEFORE, j]
-        onward, back = live and step > before, live and step < before
+        b[ENDING + j] = end_code(b, camera, j, limits, turns, pictured)
+        found += 1 if b[ENDING + j] > 0.0 else 0
+    return found
+
+
+@inlined
+def note_step(b, j, t):
+    """Note when steps end, as a lane begins, goes on to its next step or back to an earlier one."""
+    step, after = b[STEP + j], b[NEXT + j]
+    if step != BEFORE and after > step:
+        b[END0 + int(step) * BLOCK + j] = t
+    elif step != BEFORE:
         for i in range(4):
-            ended = onward and before == i
-            b[END0 + i, j] = t if ended else (-1.0 if back and i >= step else b[END0 + i, j])
-        b[RETURNS, j] += 1.0 if back else 0.0
-        b[STEP_BEFORE, j] = step if live else before
+            if i >= after:
+                b[END0 + i * BLOCK + j] = -1.0
+        b[RETURNS + j] += 1.0
+    if after == 4.0:
+        b[HELD0 + j] = b[HELD1 + j] = b[HELD2 + j] = 0.0
+    b[STEP + j] = after
+
+
+@inlined
+def measure(b, late, holding, turning, gain):
+    """Update the metrics of all lanes; the new inputs become those in force.
+
+    ``gain`` gives β, from the robot's turn rate to that of its heading.
+    """
     for j in range(BLOCK):
-        live = b[ENDED, j] == 0.0
-        x, y = b[S0, j], b[S1, j]
-        in_chart = b[CHART, j] == 1.0
-        x2 = b[S2, j] if in_chart else 0.0
-        tau1, tau2 = b[TAU1, j], b[TAU2, j]
-        late = live and t >= residual_from
-        holding = live and b[STEP, j] == 4.0
-        e0, e1, e2 = abs(x), abs(y), abs(b[S2, j])  # outside the chart |θ| counts for |x2|
-        b[RESIDUAL0, j] = max(b[RESIDUAL0, j], e0) if late else b[RESIDUAL0, j]
-        b[RESIDUAL1, j] = max(b[RESIDUAL1, j], e1) if late else b[RESIDUAL1, j]
-        b[RESIDUAL2, j] = max(b[RESIDUAL2, j], e2) if late else b[RESIDUAL2, j]
-        b[HELD0, j] = max(b[HELD0, j], e0) if holding else 0.0
-        b[HELD1, j] = max(b[HELD1, j], e1) if holding else 0.0
-        b[HELD2, j] = max(b[HELD2, j], e2) if holding else 0.0
-        b[PEAK1, j] = max(b[PEAK1, j], abs(tau1)) if live else b[PEAK1, j]
-        b[PEAK2, j] = max(b[PEAK2, j], abs(tau2)) if live else b[PEAK2, j]
-        b[SQUARE1, j] += tau1 * tau1 if live else 0.0
-        b[SQUARE2, j] += tau2 * tau2 if live else 0.0
-        counted = live and not first
-        b[VARIATION1, j] += abs(tau1 - b[OLD0, j]) if counted else 0.0
-        b[VARIATION2, j] += abs(tau2 - b[OLD1, j]) if counted else 0.0
-        b[EXCURSION2, j] = max(b[EXCURSION2, j], x * x + y * y) if live else b[EXCURSION2, j]
-        charted, turning = live and in_chart, live and not in_chart
-        b[HEADING, j] = max(b[HEADING, j], abs(b[S2, j])) if turning else b[HEADING, j]
-        b[MAX0, j] = max(b[MAX0, j], e0) if live else b[MAX0, j]
-        b[MAX1, j] = max(b[MAX1, j], e1) if live else b[MAX1, j]
-        b[MAX2, j] = max(b[MAX2, j], e2) if charted else b[MAX2, j]
-        b[MAX3, j] = max(b[MAX3, j], abs(b[S3, j])) if charted else b[MAX3, j]
-        b[MAX4, j] = max(b[MAX4, j], abs(b[S4, j])) if charted else b[MAX4, j]
-        b[LOW0, j] = min(b[LOW0, j], x) if live else b[LOW0, j]
-        b[HIGH0, j] = max(b[HIGH0, j], x) if live else b[HIGH0, j]
+        tau1, tau2 = b[NEW1 + j], b[NEW2 + j]
+        change1, change2 = abs(tau1 - b[TAU1 + j]), abs(tau2 - b[TAU2 + j])
+        b[PEAK1 + j] = max(b[PEAK1 + j], abs(tau1))
+        b[PEAK2 + j] = max(b[PEAK2 + j], abs(tau2))
+        b[SQUARE1 + j] += tau1 * tau1
+        b[SQUARE2 + j] += tau2 * tau2
+        b[VARIATION1 + j] += change1
+        b[VARIATION2 + j] += change2
+        b[TAU1 + j], b[TAU2 + j] = tau1, tau2
+    for j in range(BLOCK):
+        x, y, u0, u1 = b[S0 + j], b[S1 + j], b[S3 + j], b[S4 + j]
+        in_chart = b[CHART + j] == 1.0
+        x2 = b[S2 + j] if in_chart else 0.0
+        b[EXCURSION2 + j] = max(b[EXCURSION2 + j], x * x + y * y)
+        b[LOW0 + j] = min(b[LOW0 + j], x)
+        b[HIGH0 + j] = max(b[HIGH0 + j], x)
+        b[MAX1 + j] = max(b[MAX1 + j], abs(y))
+        b[MAX2 + j] = max(b[MAX2 + j], abs(x2))
+        b[MAX3 + j] = max(b[MAX3 + j], abs(u0) if in_chart else 0.0)
+        b[MAX4 + j] = max(b[MAX4 + j], abs(u1) if in_chart else 0.0)
+        # no roots and quotients here: speed is kept squared, turn rate as a fraction
         square = 1.0 + x2 * x2
-        speed, turn_rate = abs(b[S3, j]) * math.sqrt(square), abs(b[S4, j]) / square
-        b[SPEED, j] = max(b[SPEED, j], speed) if live else b[SPEED, j]
-        b[TURN_RATE, j] = max(b[TURN_RATE, j], turn_rate) if live else b[TURN_RATE, j]
-        fast = speed > limits.speed or turn_rate > limits.turn_rate
-        strong = abs(tau1) > limits.tau1 or abs(tau2) > limits.tau2
-        code = INPUT_LIMIT if strong else (SPEED_LIMIT if fast else 0.0)
-        ends = live and code > 0.0
-        b[ENDED, j] = code if ends else b[ENDED, j]
-        b[ENDED_AT, j] = t if ends else b[ENDED_AT, j]
+        b[SPEED + j] = max(b[SPEED + j], u0 * u0 * square)
+        per_turn = square * gain(b, j)
+        faster = abs(u1) * b[TURN_SQUARE + j] > b[TURN_RATE + j] * per_turn
+        b[TURN_RATE + j] = abs(u1) if faster else b[TURN_RATE + j]
+        b[TURN_SQUARE + j] = per_turn if faster else b[TURN_SQUARE + j]
+    # errors; outside the chart |θ| counts for |x2|
+    if holding:
+        for j in range(BLOCK):
+            b[HELD0 + j] = max(b[HELD0 + j], abs(b[S0 + j]))
+            b[HELD1 + j] = max(b[HELD1 + j], abs(b[S1 + j]))
+            b[HELD2 + j] = max(b[HELD2 + j], abs(b[S2 + j]))
+    if late:
+        for j in range(BLOCK):
+            b[RESIDUAL0 + j] = max(b[RESIDUAL0 + j], abs(b[S0 + j]))
+            b[RESIDUAL1 + j] = max(b[RESIDUAL1 + j], abs(b[S1 + j]))
+            b[RESIDUAL2 + j] = max(b[RESIDUAL2 + j], abs(b[S2 + j]))
+    if turning:
+        for j in range(BLOCK):
+            theta = 0.0 if b[CHART + j] == 1.0 else abs(b[S2 + j])
+            b[HEADING + j] = max(b[HEADING + j], theta)
+
+
+@inlined
+def end_beyond_limits(b, limits, gain):
+    """Mark lanes whose input or speed is beyond its limit, and say how many."""
+    found = 0
+    for j in range(BLOCK):
+        x2 = b[S2 + j] if b[CHART + j] == 1.0 else 0.0
+        square = 1.0 + x2 * x2
+        fast = abs(b[S3 + j]) * math.sqrt(square) > limits.speed
+        turns_fast = abs(b[S4 + j]) / (square * gain(b, j)) > limits.turn_rate
+        strong = abs(b[TAU1 + j]) > limits.tau1 or abs(b[TAU2 + j]) > limits.tau2
+        code = INPUT_LIMIT if strong else (SPEED_LIMIT if fast or turns_fast else 0.0)
+        b[ENDING + j] = code
+        found += 1 if code > 0.0 else 0
+    return found

@@ -1,139 +1,216 @@
 """The plant of a block of lanes: signals, coordinates, and one control period of motion.
 
-Compiled code: arrays ``b`` are the buffer of `parkproof.simulation.lanes.buffer`.
+Compiled code: ``b`` is the buffer of `parkproof.simulation.lanes.buffer`.
 """
 
 import math
 
-import numba
+from numba.extending import register_jitable
 
-from parkproof.model.chained import body_inputs, chained_inputs
+from parkproof.model.chained import body_inputs, chained_inputs, extension_rate
 from parkproof.model.signals import tone_value
 from parkproof.scalar import sign
+from parkproof.simulation.compiler import OPTIONS
 from parkproof.simulation.lanes.buffer import (
     ALPHA1,
-    ALPHA1_END,
-    ALPHA1_MID,
+    ALPHA2,
+    B2,
     BLOCK,
     CHART,
-    ENDED,
+    END,
     GAMMA1,
-    GAMMA1_END,
-    GAMMA1_MID,
+    GAMMA2,
+    KEPT0,
+    KEPT_PATH,
+    MEAN,
+    MIDDLE,
     PATH,
+    PHI1,
+    PHI2,
+    PUSH1,
+    PUSH2,
     S0,
-    S1,
     S2,
     S3,
     S4,
+    SIGNALS,
+    SINES,
+    SQUARES,
+    START,
     STEP,
     TAU1,
     TAU2,
 )
-from parkproof.simulation.polynomials import OPTIONS, register
-from parkproof.simulation.steps import chained_step, turning_step
+from parkproof.simulation.steps import (
+    chained_euler_step,
+    chained_step,
+    turning_euler_step,
+    turning_step,
+)
 
-register()
-
-compiled = numba.njit(nogil=True, **OPTIONS)
-inlined = numba.njit(forceinline=True, **OPTIONS)
+inlined = register_jitable(forceinline=True, **OPTIONS)
 
 
-@compiled
-def fill_signals(b, mean, tones, t, row):
-    """Write γ1, γ2, φ1, φ2 or α1, α2, b2 at time t into as many rows."""
-    for i in range(mean.shape[0]):
-        for j in range(BLOCK):
-            b[row + i, j] = mean[i, j]
-        for m in range(tones.shape[1]):
-            for j in range(BLOCK):
-                b[row + i, j] += tone_value(
-                    tones[i, m, 0, j],
-                    tones[i, m, 1, j],
-                    tones[i, m, 2, j],
-                    tones[i, m, 3, j],
-                    t,
-                )
+@inlined
+def tone_at(tones, i, m, j, squares, t):
+    """Value of a lane's tone; where no lane has square waves, that is known before the loop."""
+    square = tones[i, m, 3, j] if squares else 0.0
+    return tone_value(tones[i, m, 0, j], tones[i, m, 1, j], tones[i, m, 2, j], square, t)
+
+
+@inlined
+def fill_signals(b, tones, kinds, rows, t):
+    """Write the signals that vary at a time into their rows; those of constant ones are right.
+
+    A step's end is the next one's start: where the rows are those for the end, what they held
+    becomes the start.
+    """
+    for i in range(SIGNALS):
+        row = i * BLOCK
+        for m in range(kinds.shape[1]):
+            kind = kinds[i, m]
+            if kind == SINES and m == 0:
+                for j in range(BLOCK):
+                    if rows == END:
+                        b[START + row + j] = b[END + row + j]
+                    b[rows + row + j] = b[MEAN + row + j] + tone_at(tones, i, 0, j, False, t)
+            elif kind == SINES:
+                for j in range(BLOCK):
+                    b[rows + row + j] += tone_at(tones, i, m, j, False, t)
+            elif kind == SQUARES:
+                for j in range(BLOCK):
+                    if rows == END and m == 0:
+                        b[START + row + j] = b[END + row + j]
+                    before = b[MEAN + row + j] if m == 0 else b[rows + row + j]
+                    b[rows + row + j] = before + tone_at(tones, i, m, j, True, t)
 
 
 @inlined
 def change_coordinates(b, j):
     """Enter or leave the chart, as the step of a lane asks."""
-    if b[STEP, j] >= 1.0 and b[CHART, j] == 0.0:
-        x2 = math.tan(b[S2, j])
-        u0, u1 = chained_inputs(b[S3, j], b[S4, j], x2)
-        b[S2, j], b[S3, j], b[S4, j], b[CHART, j] = x2, u0, u1, 1.0
-    elif b[STEP, j] == 0.0 and b[CHART, j] == 1.0:
-        x2 = b[S2, j]
-        v, omega = body_inputs(b[S3, j], b[S4, j], x2)
-        b[S2, j], b[S3, j], b[S4, j], b[CHART, j] = math.atan(x2), v, omega, 0.0
+    if b[STEP + j] >= 1.0 and b[CHART + j] == 0.0:
+        x2 = math.tan(b[S2 + j])
+        u0, u1 = chained_inputs(b[S3 + j], b[S4 + j], x2)
+        b[S2 + j], b[S3 + j], b[S4 + j], b[CHART + j] = x2, u0, u1, 1.0
+    elif b[STEP + j] == 0.0 and b[CHART + j] == 1.0:
+        x2 = b[S2 + j]
+        v, omega = body_inputs(b[S3 + j], b[S4 + j], x2)
+        b[S2 + j], b[S3 + j], b[S4 + j], b[CHART + j] = math.atan(x2), v, omega, 0.0
 
 
 @inlined
-def rates(b, j, row, adversary1, adversary2):
-    """Rates γτ + φ of both channels, with the signals of four rows."""
-    tau1, tau2 = b[TAU1, j], b[TAU2, j]
-    phi1 = -adversary1 * sign(tau1) if adversary1 > 0.0 else b[row + 2, j]
-    phi2 = -adversary2 * sign(tau2) if adversary2 > 0.0 else b[row + 3, j]
-    return b[row, j] * tau1 + phi1, b[row + 1, j] * tau2 + phi2
+def push(b, adversary):
+    """Disturbances of adversaries, which oppose the inputs; all other lanes keep theirs, 0."""
+    for j in range(BLOCK):
+        b[PUSH1 + j] = -adversary[0, j] * sign(b[TAU1 + j])
+        b[PUSH2 + j] = -adversary[1, j] * sign(b[TAU2 + j])
 
 
-@compiled
-def begin_signals(b, mean, tones, scale_mean, scale_tones):
-    """Fill the rows for the start of the run; constant α1, α2, b2 are then never filled again."""
-    fill_signals(b, mean, tones, 0.0, GAMMA1)
-    for row in (ALPHA1, ALPHA1_MID, ALPHA1_END):
-        fill_signals(b, scale_mean, scale_tones, 0.0, row)
+@inlined
+def disturbed(b, j, row, inputs):
+    """Rates γτ + φ of both channels' last states, with the signals of rows from one on.
+
+    ``inputs`` is the first of the two rows that γ multiplies.
+    """
+    phi1, phi2 = b[row + PHI1 + j] + b[PUSH1 + j], b[row + PHI2 + j] + b[PUSH2 + j]
+    rate1 = extension_rate(b[inputs + j], b[row + GAMMA1 + j], phi1)
+    return rate1, extension_rate(b[inputs + BLOCK + j], b[row + GAMMA2 + j], phi2)
+
+
+@inlined
+def input_rates(b, j, row):
+    """Rates of the last states of a robot that takes τ itself."""
+    return disturbed(b, j, row, TAU1)
 
 
 @inlined
 def scales_at(b, j, row):
-    """Give α1, α2 and b2 of three rows."""
-    return b[row, j], b[row + 1, j], b[row + 2, j]
+    """Give α1, α2 and b2 of rows from one on."""
+    return b[row + ALPHA1 + j], b[row + ALPHA2 + j], b[row + B2 + j]
 
 
 @inlined
-def advance_lane(b, j, adversary, h, in_chart):
-    """Move a lane by one integration step, if it is still running and in these coordinates."""
-    a1, a2 = rates(b, j, GAMMA1, adversary[0, j], adversary[1, j])
-    m1, m2 = rates(b, j, GAMMA1_MID, adversary[0, j], adversary[1, j])
-    e1, e2 = rates(b, j, GAMMA1_END, adversary[0, j], adversary[1, j])
-    s0, s1, s2, s3, s4 = b[S0, j], b[S1, j], b[S2, j], b[S3, j], b[S4, j]
-    a, m, e = scales_at(b, j, ALPHA1), scales_at(b, j, ALPHA1_MID), scales_at(b, j, ALPHA1_END)
-    if in_chart:
-        n0, n1, n2, n3, n4 = chained_step(s0, s1, s2, s3, s4, a, m, e, a1, m1, e1, a2, m2, e2, h)
-    else:
-        n0, n1, n2, n3, n4 = turning_step(s0, s1, s2, s3, s4, a, m, e, a1, m1, e1, a2, m2, e2, h)
-    moved = math.sqrt((n0 - s0) * (n0 - s0) + (n1 - s1) * (n1 - s1))
-    moves = b[ENDED, j] == 0.0 and b[CHART, j] == (1.0 if in_chart else 0.0)
-    b[PATH, j] += moved if moves else 0.0
-    b[S0, j] = n0 if moves else s0
-    b[S1, j] = n1 if moves else s1
-    b[S2, j] = n2 if moves else s2
-    b[S3, j] = n3 if moves else s3
-    b[S4, j] = n4 if moves else s4
+def step_in_chart(b, _camera, j, state, one, two, h):
+    """Integration step in the chart, under the paper's camera."""
+    s0, s1, s2, s3, s4 = state
+    (a1, m1, e1), (a2, m2, e2) = one, two
+    a, m, e = scales_at(b, j, START), scales_at(b, j, MIDDLE), scales_at(b, j, END)
+    return chained_step(s0, s1, s2, s3, s4, a, m, e, a1, m1, e1, a2, m2, e2, h)
 
 
-@compiled
-def advance_all(b, turning, scale_mean, scale_tones, mean, tones, adversary, t, h, steps):
-    """Move all lanes by one control period."""
+@inlined
+def step_outside(b, _camera, j, state, one, two, h):
+    """Integration step outside the chart, under the paper's camera."""
+    s0, s1, s2, s3, s4 = state
+    (a1, m1, e1), (a2, m2, e2) = one, two
+    a, m, e = scales_at(b, j, START), scales_at(b, j, MIDDLE), scales_at(b, j, END)
+    return turning_step(s0, s1, s2, s3, s4, a, m, e, a1, m1, e1, a2, m2, e2, h)
+
+
+@inlined
+def euler_in_chart(b, _camera, j, state, one, two, h):
+    """Euler's step in the chart, under the paper's camera."""
+    s0, s1, s2, s3, s4 = state
+    (a1, _, _), (a2, _, _) = one, two
+    return chained_euler_step(s0, s1, s2, s3, s4, scales_at(b, j, START), a1, a2, h)
+
+
+@inlined
+def euler_outside(b, _camera, j, state, one, two, h):
+    """Euler's step outside the chart, under the paper's camera."""
+    s0, s1, s2, s3, s4 = state
+    (a1, _, _), (a2, _, _) = one, two
+    return turning_euler_step(s0, s1, s2, s3, s4, scales_at(b, j, START), a1, a2, h)
+
+
+@inlined
+def move(b, camera, j, state, row, h, rates, step):
+    """Move a lane from a state by one integration step, to rows from one on."""
+    a1, a2 = rates(b, j, START)
+    m1, m2 = rates(b, j, MIDDLE)
+    e1, e2 = rates(b, j, END)
+    n0, n1, n2, n3, n4 = step(b, camera, j, state, (a1, m1, e1), (a2, m2, e2), h)
+    b[row + j], b[row + BLOCK + j], b[row + 2 * BLOCK + j] = n0, n1, n2
+    b[row + 3 * BLOCK + j], b[row + 4 * BLOCK + j] = n3, n4
+    s0, s1, _, _, _ = state
+    b[PATH + j] += math.sqrt((n0 - s0) * (n0 - s0) + (n1 - s1) * (n1 - s1))
+
+
+@inlined
+def state_at(b, j, row):
+    """Give the five numbers of five rows."""
+    return (
+        b[row + j], b[row + BLOCK + j], b[row + 2 * BLOCK + j], b[row + 3 * BLOCK + j],
+        b[row + 4 * BLOCK + j],
+    )  # fmt: skip
+
+
+@inlined
+def advance(b, camera, turning, tones, kinds, t, h, steps, first, inside, outside, euler):
+    """Move all lanes by one control period; before the first, find the signals at its start.
+
+    ``inside`` and ``outside`` are integration steps in the chart and outside it; those of Euler
+    know signals at a step's start only.
+    """
     part = h / steps
-    vary = scale_tones.shape[1] > 0
-    for i in range(steps):
-        fill_signals(b, mean, tones, t + i * part + 0.5 * part, GAMMA1_MID)
-        fill_signals(b, mean, tones, t + i * part + part, GAMMA1_END)
-        if vary:
-            fill_signals(b, scale_mean, scale_tones, t + i * part + 0.5 * part, ALPHA1_MID)
-            fill_signals(b, scale_mean, scale_tones, t + i * part + part, ALPHA1_END)
-        for j in range(BLOCK):
-            advance_lane(b, j, adversary, part, True)
-        if turning > 0:
-            for j in range(BLOCK):
-                advance_lane(b, j, adversary, part, False)
-        for k in range(4):
-            for j in range(BLOCK):
-                b[GAMMA1 + k, j] = b[GAMMA1_END + k, j]
-        if vary:
-            for k in range(3):
+    for i in range(-1 if first and not euler else 0, steps):
+        begin = t + i * part
+        if euler:
+            fill_signals(b, tones, kinds, START, begin)
+        else:
+            fill_signals(b, tones, kinds, MIDDLE, begin + 0.5 * part)
+            fill_signals(b, tones, kinds, END, begin + part)
+        if i >= 0:
+            if turning:  # the loop for lanes in the chart takes all along, and is then undone
                 for j in range(BLOCK):
-                    b[ALPHA1 + k, j] = b[ALPHA1_END + k, j]
+                    for k in range(5):
+                        b[KEPT0 + k * BLOCK + j] = b[S0 + k * BLOCK + j]
+                    b[KEPT_PATH + j] = b[PATH + j]
+            for j in range(BLOCK):
+                move(b, camera, j, state_at(b, j, S0), S0, part, input_rates, inside)
+            if turning:
+                for j in range(BLOCK):
+                    if b[CHART + j] == 0.0:
+                        b[PATH + j] = b[KEPT_PATH + j]
+                        state = state_at(b, j, KEPT0)
+                        move(b, camera, j, state, S0, part, input_rates, outside)
