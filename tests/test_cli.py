@@ -4,10 +4,12 @@ import errno
 import io
 import json
 import re
+import signal
 import subprocess
 import sys
 import time
 import tomllib
+import weakref
 from pathlib import Path
 
 import pytest
@@ -437,3 +439,20 @@ def test_a_signal_that_only_a_robot_takes_has_its_status_and_a_sentence(capsys):
     assert "out-broken-off: run.mcap" in said
     with pytest.raises(SystemExit):
         guarded(lambda: sys.exit(3))
+
+
+def test_ctrl_c_inside_a_finaliser_stops_a_moment_later_without_a_traceback(capsys):
+    class Thing:
+        """What a library may drop at any moment."""
+
+    def command() -> int:
+        thing = Thing()
+        kept = weakref.ref(thing, lambda _: signal.raise_signal(signal.SIGINT))
+        del thing  # Python only reports what is raised in the callback
+        time.sleep(5.0)
+        return 0 if kept() is None else 1
+
+    assert guarded(command) == 130
+    said = capsys.readouterr().err
+    assert said.startswith("parkproof: stopped by Ctrl-C")
+    assert said.count("\n") == 1
