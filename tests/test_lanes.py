@@ -15,7 +15,7 @@ from parkproof.laws.gains import Gains
 from parkproof.model.signals import Adversary, Constant, Noise, Sine
 from parkproof.model.truth import Truth
 from parkproof.scalar import sine, spow
-from parkproof.scenario import Robot, RunSettings, Scenario, Start
+from parkproof.scenario import RunSettings, Scenario, Start
 from parkproof.simulation.compiler import OPTIONS, register
 from parkproof.simulation.ensemble import simulate_ensemble
 from parkproof.simulation.outcome import Outcome
@@ -371,8 +371,3 @@ def test_trials_that_differ_in_more_than_start_and_truth_are_refused(
 ) -> None:
     with pytest.raises(InputError, match="differ in more than start and truth"):
         simulate_ensemble([section4(), section4(**change)])
-
-
-def test_robots_that_lanes_cannot_carry_out_are_refused(section4: Make) -> None:
-    with pytest.raises(InputError, match='"torque"'):
-        simulate_ensemble([section4(robot=Robot(kind="torque"))])

@@ -125,7 +125,7 @@ def test_a_run_with_latency_is_a_loop_that_hands_on_old_measurements(
             channel(0, scenario.truth, scenario.bounds),
             channel(1, scenario.truth, scenario.bounds),
         ),
-        image_gains=lambda x, y, c, s: (0.8, 1.2, 1.0),  # noqa: ARG005
+        scales=((0.8, ()), (1.2, ()), (1.0, ())),
         pose=(-1.0, 0.3, 2.0),
         velocity=(0.0, 0.0),
     )

@@ -15,12 +15,15 @@ from parkproof.errors import InputError
 from parkproof.laws.controller import Command, measured_pose, measured_state
 from parkproof.laws.gains import Gains, Switching
 from parkproof.model.chained import ChainedState
+from parkproof.model.homography import Homography
+from parkproof.model.image_unicycle import image_of
 from parkproof.model.signals import Adversary, Constant, Sine, Square
 from parkproof.model.truth import Truth, channel, scales
+from parkproof.model.unicycle import Pose
 from parkproof.scenario import Robot, Scenario, Start
 from parkproof.simulation.metrics import metrics_of
 from parkproof.simulation.outcome import Outcome
-from parkproof.simulation.plant import Plant, runge_kutta
+from parkproof.simulation.plant import Plant
 from parkproof.simulation.run import COLUMNS, Recorder, Run, plant_steps, simulate
 
 Make = Callable[..., Scenario]
@@ -319,7 +322,6 @@ def plant_of(kind: str, truth: Truth, bounds: Bounds, **start: object) -> Plant:
     return Plant(
         robot=kind,  # type: ignore[arg-type]  # a parameter of the test
         channels=(channel(0, truth, bounds), channel(1, truth, bounds)),
-        image_gains=lambda _x, _y, _c, _s: (1.0, 1.0, 1.0),
         scales=scales(truth, bounds),
         **start,  # type: ignore[arg-type]
     )
@@ -395,11 +397,6 @@ def test_gains_that_jump_are_integrated_in_smaller_steps(section4: Make, name: s
     assert plant_steps(section4(truth=truth, bounds=known, control_period=1e-2)) == 50
 
 
-def test_runge_kutta_is_exact_for_cubic_time() -> None:
-    state = runge_kutta(lambda t, _: (4.0 * t**3, 1.0, 0.0, 0.0, 0.0), 1.0, (0.0,) * 5, 2.0)
-    assert state == pytest.approx((80.0, 2.0, 0.0, 0.0, 0.0))
-
-
 @pytest.mark.parametrize("truth", ["sines", "squares", "noise"])
 @pytest.mark.parametrize("discretisation", ["explicit", "implicit"])
 def test_settling_times_do_not_depend_on_the_plant_s_step(
@@ -469,19 +466,28 @@ def test_turning_robot_that_still_rolls_is_scaled_by_the_camera(bounds: Bounds, 
 @pytest.mark.parametrize("kind", ["chained", "torque", "velocity"])
 def test_start_turns_the_heading_in_the_image_whatever_the_camera_makes_of_it(kind: str) -> None:
     """Under ψ̇ = βω the robot's wheels start at ω/β, and keep it while nothing accelerates them."""
+    mirrored = Homography((0.5, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 1.0))
     plant = Plant(
         robot=kind,  # type: ignore[arg-type]  # a parameter of the test
         channels=(channel(0, Truth(), Bounds()), channel(1, Truth(), Bounds())),
-        image_gains=lambda _x, _y, _c, _s: (1.0, 1.0, -2.0),
+        camera=mirrored.entries,
         pose=(1.0, 2.0, 2.0),
         velocity=(0.5, 0.3),
     )
     start = plant.measurement(0.0)
-    assert (start.v, start.omega, start.beta) == pytest.approx((0.5, 0.3, -2.0))
-    coast = Command(0, 0.0, 0.0, 0.5, 0.3 / -2.0, acceleration=0.0, turn_acceleration=0.0)
-    plant.advance(coast, 0.0, 0.4, 4)
+    floor = image_of(mirrored, Pose(1.0, 2.0, 2.0))
+    assert (start.v, start.omega, start.beta) == pytest.approx((0.5, 0.3, 1.0 / floor.beta))
+    assert start.beta < 0.0
+    rate = 0.3 / start.beta
+    coast = Command(0, 0.0, 0.0, 0.5, rate, acceleration=0.0, turn_acceleration=0.0)
+    plant.advance(coast, 0.0, 0.4, 400)
     end = plant.measurement(0.4)
-    assert (end.v, end.omega, end.theta) == pytest.approx((0.5, 0.3, 2.0 + 0.4 * 0.3))
+    if kind == "chained":
+        assert end.theta == pytest.approx(2.0 + 0.4 * 0.3), "whose ω is that of the image"
+    else:
+        turned = image_of(mirrored, Pose(end.x0, end.x1, end.theta)).pose.theta - floor.pose.theta
+        assert turned == pytest.approx(0.4 * rate)
+    assert end.v == pytest.approx(0.5)
 
 
 def test_velocity_robot_stands_still_drives_straight_and_turns_on_the_spot(bounds: Bounds) -> None:

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from parkproof.errors import InputError
-from parkproof.model.truth import Truth
-from parkproof.scenario import Robot, Scenario, Start
+from parkproof.scenario import Scenario, Start
 from parkproof.simulation.ensemble import simulate_ensemble, simulate_trials
 from parkproof.simulation.trials import Trials, trials_of
 
@@ -55,11 +54,7 @@ def test_arrays_of_other_shapes_are_refused(given: list[Scenario]) -> None:
     parts: dict[str, Any] = dict(trials_of(given).__dict__)
     with pytest.raises(InputError, match=r"mean has the shape \(3, 8\): must be \(4, 8\)"):
         Trials(**(parts | {"mean": parts["mean"][:3]}))
+    with pytest.raises(InputError, match=r"camera has the shape \(9, 8\): must be \(17, 8\)"):
+        Trials(**(parts | {"camera": np.zeros((9, 8))}))
     with pytest.raises(InputError, match="no trials"):
         Trials(**{name: array[..., :0] for name, array in parts.items()})
-
-
-def test_a_robot_that_lanes_cannot_carry_out_is_refused(section4: Make) -> None:
-    scenario = section4(robot=Robot(kind="torque"), truth=Truth())
-    with pytest.raises(InputError, match='"torque"'):
-        simulate_trials(scenario, trials_of([scenario]))

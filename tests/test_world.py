@@ -495,8 +495,16 @@ def test_a_backend_that_is_set_is_respected(backend: str, sentence: str) -> None
 
 
 def test_a_world_that_cannot_be_simulated_is_refused():
-    with pytest.raises(InputError, match="mass and inertia"):
-        World(WorldSettings(robot=RobotSettings(mass=1e-30)))
+    with pytest.raises(InputError, match=r"cannot be simulated: .* mass and inertia"):
+        World(WorldSettings(robot=RobotSettings(wheel_radius=1e-9, wheel_speed_limit=1e12)))
+    with pytest.raises(InputError, match=r"blur = 1000000000\.0: must be in \[0, 50\] px"):
+        CameraSettings(blur=1e9)
+    with pytest.raises(InputError, match=r"rate = 1e\+300: must be in \[0\.001, 1000\] pushes/s"):
+        PushSettings(rate=1e300)
+    with pytest.raises(InputError, match=r"goal = 1e\+300: must be in \[-1000, 1000\] m and rad"):
+        WorldSettings(goal=(1e300, 0.0, 0.0))
+    with pytest.raises(InputError, match=r"mass = 1000000000000\.0: must be in \[0\.01, 1000\] kg"):
+        RobotSettings(mass=1e12)
     with pytest.raises(InputError, match=r"rate = 1000000000\.0: must be in \[1, 1000\]"):
         CameraSettings(rate=1e9)
     with pytest.raises(InputError, match=r"latency = 1000\.0: must be in \[0, 5\] s"):

@@ -92,6 +92,28 @@ def sine(x: float) -> float:
     return math.sin(x)
 
 
+def tangent(x: float) -> float:
+    """Tangent of an angle in radians.
+
+    Parameters
+    ----------
+    x : float
+        Angle in rad.
+
+    Returns
+    -------
+    float
+        tan x.
+
+    Examples
+    --------
+    >>> from parkproof.scalar import tangent
+    >>> round(tangent(0.25 * math.pi), 4)
+    1.0
+    """
+    return math.tan(x)
+
+
 @scalar
 def arctan(x: float) -> float:
     """Angle in (−π/2, π/2) whose tangent is given.

@@ -22,7 +22,6 @@ from parkproof.scenario_file import resolved, scenario_from_dict
 from parkproof.scenario_file.keys import Place
 from parkproof.scenario_file.overrides import put
 from parkproof.scenario_file.words import plain
-from parkproof.simulation.ensemble import check_lanes
 
 MOST_GROUPS = 100
 """Most combinations of choices that split the trials: each becomes an ensemble of its own."""
@@ -186,10 +185,6 @@ class Prepared:
                 self._check_engine(scenario, where)
 
     def _check_engine(self, scenario: Scenario, where: str) -> None:
-        try:
-            check_lanes(scenario)
-        except InputError as error:
-            raise InputError(f"{where}: {error}") from error
         for quantity in self.side_by_side:
             if not can_differ(scenario, quantity.place):
                 raise InputError(

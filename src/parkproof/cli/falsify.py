@@ -22,10 +22,11 @@ def falsify(
     overwrite: bool = False,
     quiet: bool = False,
 ) -> int:
-    """Search for the start, truth and disturbance that break a claim, or come nearest to a bound.
+    """Search for the run that breaks a claim, or comes nearest to a bound.
 
-    Of a scenario: that it parks within its duration and keeps to its limits, whatever the truth
-    within its bounds. Of a certificate: every number of its theorem. The worst is written as a
+    Varied are start, truth and disturbance. The claim of a scenario is that it parks
+    within its duration and keeps to its limits, whatever the truth within its bounds; those of a
+    certificate are all numbers of its theorem. The worst is written as a
     scenario. The exit status is 1 if a claim is broken. Ctrl-C keeps the worst so far.
 
     Parameters

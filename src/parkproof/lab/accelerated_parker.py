@@ -122,12 +122,12 @@ class AcceleratedParker(Parker):
             arrival=self._arrival,
         )
 
-    def _bounds(self, error: float, share: float) -> Bounds:
+    def _bounds(self, error: float, share: float, middle: float = 0.5) -> Bounds:
         """Bounds of a; and of γ and φ, in tag sides and rad, with the motors' whole error."""
         motors = 1.0 - self._settings.motor_error, 1.0 + self._settings.motor_error
         push, twist = self._settings.disturbance
         return Bounds(
-            alpha=super()._bounds(error, share).alpha_of(0),
+            alpha=super()._bounds(error, share, middle).alpha_of(0),
             gamma=motors,
             disturbance=(push / self._goal.mount.side, twist),
         )

@@ -19,6 +19,30 @@ ChannelLaw = tuple[float, float, float, float]
 
 
 @scalar
+def chain_error(u: float, power: float, offset: float) -> float:
+    """Error ⌈u⌋^power + offset of a channel's last state, which its law takes to zero.
+
+    Parameters
+    ----------
+    u : float
+        Last state of the chain.
+    power, offset : float
+        Of the channel's law.
+
+    Returns
+    -------
+    float
+        The error.
+
+    Examples
+    --------
+    >>> chain_error(3.0, 2.0, -1.0)
+    8.0
+    """
+    return spow(u, power) + offset
+
+
+@scalar
 def nominal_input(u: float, gain: float, power: float, offset: float, outer: float) -> float:
     """Nominal input ũ = −gain·⌈⌈u⌋^power + offset⌋^outer of a channel.
 
@@ -39,7 +63,7 @@ def nominal_input(u: float, gain: float, power: float, offset: float, outer: flo
     >>> nominal_input(9.0, *one_chain(1.0, 1.0, 1 / 3))
     -2.0
     """
-    return -gain * spow(spow(u, power) + offset, outer)
+    return -gain * spow(chain_error(u, power, offset), outer)
 
 
 @scalar

@@ -5,17 +5,13 @@ from typing import Literal, NamedTuple
 
 from parkproof.bounds import Bounds
 from parkproof.errors import InputError
+from parkproof.laws.commands import Kept, acceleration_command, kept_velocity, velocity_command
 from parkproof.laws.gains import Gains, Switching
 from parkproof.laws.inputs import explicit_inputs, implicit_inputs, predicted, with_direct
 from parkproof.laws.parameters import Discretisation, LawParameters, law_parameters
 from parkproof.laws.table import law_named
 from parkproof.laws.turn import turn_channels, turned
-from parkproof.model.chained import (
-    ChainedState,
-    body_inputs,
-    chained_inputs,
-    image_acceleration_for,
-)
+from parkproof.model.chained import ChainedState, body_inputs, chart_of
 from parkproof.model.unicycle import wrap_angle
 from parkproof.validate import finite
 
@@ -113,11 +109,7 @@ def measured_pose(
     inf
     """
     theta = wrap_angle(theta)
-    if abs(theta) >= 0.5 * math.pi:
-        x2 = math.copysign(math.inf, theta)
-        return Measurement(t, x, y, x2, math.nan, math.nan, theta, v, omega, beta)
-    x2 = math.tan(theta)
-    u0, u1 = chained_inputs(v, omega, x2)
+    x2, u0, u1 = chart_of(theta, v, omega)
     return Measurement(t, x, y, x2, u0, u1, theta, v, omega, beta)
 
 
@@ -218,9 +210,7 @@ class Controller:
         )
         self._step: float | None = None
         self._way = 1.0
-        self._held = (0.0, 0.0)
-        self._held_in_chart = False
-        self._sent = (0.0, 0.0)
+        self._kept: Kept = (0.0, 0.0, 0.0, 0.0, 0.0)
 
     @property
     def way(self) -> float:
@@ -243,8 +233,8 @@ class Controller:
         >>> controller.step(measured_pose(0.0, -2.0, 0.0, 0.0)).speed > 0.5
         True
         """
-        self._held = self._sent = (finite("v", v), finite("omega", omega))
-        self._held_in_chart = False
+        v, omega = finite("v", v), finite("omega", omega)
+        self._kept = (v, omega, 0.0, v, omega)
 
     def step(self, measurement: Measurement) -> Command:
         """Take a measurement, move on to the next step if it is time, and answer a command.
@@ -274,8 +264,9 @@ class Controller:
         self._advance_step(m)
         p = self.parameters
         if self._step == 0.0:
-            if self._held_in_chart:  # u0, u1 held there say nothing of v and ω near ±90°
-                m = m._replace(v=self._sent[0], omega=self._sent[1])
+            _, _, kept_in_chart, v, omega = self._kept
+            if kept_in_chart > 0.0:  # u0, u1 kept there say nothing of v and ω near ±90°
+                m = m._replace(v=v, omega=omega)
             theta = m.theta + p.lookahead * m.omega
             tau1, tau2 = self._inputs(*turn_channels(theta, p), m.v, m.omega, p)
         else:
@@ -295,16 +286,8 @@ class Controller:
         """The measurement, with the velocities that the controller of this robot keeps itself."""
         if self._robot != "velocity":
             return m
-        first, second = self._held
-        if self._held_in_chart and math.isfinite(m.x2):
-            v, omega = body_inputs(first, second, m.x2)
-            return m._replace(u0=first, u1=second, v=v, omega=omega)
-        if math.isfinite(m.x2):
-            u0, u1 = chained_inputs(first, second, m.x2)
-            return m._replace(u0=u0, u1=u1, v=first, omega=second)
-        # out of the chart between two samples: what was held there means nothing here
-        v, omega = self._sent if self._held_in_chart else self._held
-        return m._replace(v=v, omega=omega)
+        u0, u1, v, omega = kept_velocity(*self._kept, m.x2)
+        return m._replace(u0=u0, u1=u1, v=v, omega=omega)
 
     def _advance_step(self, m: Measurement) -> None:
         p, law, before = self.parameters, self._law, self._step
@@ -324,19 +307,9 @@ class Controller:
         if self._robot == "chained":
             return Command(step, tau1, tau2)
         if self._robot == "torque":
-            rates = (
-                (tau1, tau2 / m.beta)
-                if turning
-                else image_acceleration_for(tau1, tau2, m.v, m.omega / m.beta, m.theta, m.beta)
-            )
-            return Command(step, tau1, tau2, acceleration=rates[0], turn_acceleration=rates[1])
+            along, across = acceleration_command(turning, tau1, tau2, m.theta, m.v, m.omega, m.beta)
+            return Command(step, tau1, tau2, acceleration=along, turn_acceleration=across)
         h = self.parameters.period
-        self._held_in_chart = not turning
-        if turning:
-            self._held = (m.v + h * tau1, m.omega + h * tau2)
-            v, omega = self._held
-        else:
-            self._held = (m.u0 + h * tau1, m.u1 + h * tau2)
-            v, omega = body_inputs(*self._held, m.x2)
-        self._sent = (v, omega)
+        self._kept = velocity_command(turning, tau1, tau2, m.v, m.omega, m.x2, m.u0, m.u1, h)
+        _, _, _, v, omega = self._kept
         return Command(step, tau1, tau2, speed=v, turn_rate=omega / m.beta)

@@ -4,10 +4,10 @@ The explicit form is the paper's: Theorem 1 evaluated at the sample. The implici
 nominal law at the positions predicted one period ahead and takes the sign at the period's end.
 """
 
-from parkproof.laws.chains import ChannelLaw, nominal_input
+from parkproof.laws.chains import ChannelLaw, chain_error
 from parkproof.laws.parameters import LawParameters
-from parkproof.laws.robustify import robust, robust_implicit
-from parkproof.scalar import clip, scalar
+from parkproof.laws.robustify import implicit_end, pull, robust
+from parkproof.scalar import clip, scalar, spow
 
 
 @scalar
@@ -65,6 +65,67 @@ def with_direct(tau2: float, direct: float, p: LawParameters) -> float:
 
 
 @scalar
+def explicit_errors(one: ChannelLaw, two: ChannelLaw, u0: float, u1: float) -> tuple[float, float]:
+    """Errors of both channels, the first half of `explicit_inputs`.
+
+    Parameters
+    ----------
+    one, two : tuples of 4 floats
+        Laws of both channels.
+    u0, u1 : float
+        Measured last states of both channels.
+
+    Returns
+    -------
+    tuple of 2 floats
+        ⌈u⌋^power + offset of each.
+
+    Examples
+    --------
+    >>> explicit_errors((1.0, 1.0, -1.0, 1 / 3), (1.0, 1.0, 0.0, 0.5), 9.0, -1.0)
+    (8.0, -1.0)
+    """
+    _, power1, offset1, _ = one
+    _, power2, offset2, _ = two
+    return chain_error(u0, power1, offset1), chain_error(u1, power2, offset2)
+
+
+@scalar
+def explicit_answers(
+    one: ChannelLaw, two: ChannelLaw, error1: float, error2: float, p: LawParameters
+) -> tuple[float, float]:
+    """Inputs that answer the errors of both channels, the second half of `explicit_inputs`.
+
+    Parameters
+    ----------
+    one, two : tuples of 4 floats
+        Laws of both channels.
+    error1, error2 : float
+        Their errors.
+    p : LawParameters
+        Gains and bounds; inputs are clipped at ``tau_max``.
+
+    Returns
+    -------
+    tuple of 2 floats
+        τ1, τ2.
+
+    Examples
+    --------
+    >>> from parkproof.laws import default_parameters
+    >>> one, two = (1.0, 1.0, -1.0, 1 / 3), (1.0, 1.0, 0.0, 0.5)
+    >>> explicit_answers(one, two, 8.0, -1.0, default_parameters())
+    (-4.5, 3.5)
+    """
+    gain1, _, _, outer1 = one
+    gain2, _, _, outer2 = two
+    # Theorem 1's division by γ_m, which processors are slow at, is done once and for all
+    tau1 = robust(-gain1 * spow(error1, outer1), p.phi1, 1.0) * p.inv_gamma1
+    tau2 = robust(-gain2 * spow(error2, outer2), p.phi2, 1.0) * p.inv_gamma2
+    return clip(tau1, p.tau_max1), clip(tau2, p.tau_max2)
+
+
+@scalar
 def explicit_inputs(
     one: ChannelLaw, two: ChannelLaw, u0: float, u1: float, p: LawParameters
 ) -> tuple[float, float]:
@@ -91,8 +152,42 @@ def explicit_inputs(
     >>> explicit_inputs(one, two, 9.0, -1.0, default_parameters())
     (-4.5, 3.5)
     """
-    tau1 = robust(nominal_input(u0, *one), p.phi1, p.gamma_min1)
-    tau2 = robust(nominal_input(u1, *two), p.phi2, p.gamma_min2)
+    error1, error2 = explicit_errors(one, two, u0, u1)
+    return explicit_answers(one, two, error1, error2, p)
+
+
+@scalar
+def implicit_answers(
+    end1: float, size1: float, end2: float, size2: float, u0: float, u1: float, p: LawParameters
+) -> tuple[float, float]:
+    """Inputs that bring both channels to their ends, the second half of `implicit_inputs`.
+
+    Parameters
+    ----------
+    end1, end2 : float
+        Where u0 and u1 shall end, from `parkproof.laws.robustify.implicit_end`.
+    size1, size2 : float
+        Gains of their laws, or a positive multiple of them; no control where one is 0.
+    u0, u1 : float
+        Measured last states of both channels.
+    p : LawParameters
+        Gains and bounds; inputs are clipped at ``tau_max``.
+
+    Returns
+    -------
+    tuple of 2 floats
+        τ1, τ2.
+
+    Examples
+    --------
+    >>> from parkproof.laws import default_parameters
+    >>> tau1, tau2 = implicit_answers(
+    ...     1.0, 2.0, 0.0, 0.0, 1.002, 0.5, default_parameters(implicit=True))
+    >>> round(tau1, 9), tau2
+    (-1.0, 0.0)
+    """
+    tau1 = pull(u0, end1, size1, p.gamma_max1, p.period)
+    tau2 = pull(u1, end2, size2, p.gamma_max2, p.period)
     return clip(tau1, p.tau_max1), clip(tau2, p.tau_max2)
 
 
@@ -126,6 +221,8 @@ def implicit_inputs(
     >>> round(tau1, 2), abs(tau2)
     (-4.5, 0.0)
     """
-    tau1 = robust_implicit(u0, *one, p.phi1, p.gamma_min1, p.gamma_max1, p.period)
-    tau2 = robust_implicit(u1, *two, p.phi2, p.gamma_min2, p.gamma_max2, p.period)
-    return clip(tau1, p.tau_max1), clip(tau2, p.tau_max2)
+    end1 = implicit_end(u0, *one, p.kappa1 * p.phi1, p.kappa1)
+    end2 = implicit_end(u1, *two, p.kappa2 * p.phi2, p.kappa2)
+    gain1, _, _, _ = one
+    gain2, _, _, _ = two
+    return implicit_answers(end1, gain1, end2, gain2, u0, u1, p)

@@ -59,8 +59,12 @@ class LawParameters(NamedTuple):
     phi2: float
     gamma_min1: float
     gamma_min2: float
+    inv_gamma1: float
+    inv_gamma2: float
     gamma_max1: float
     gamma_max2: float
+    kappa1: float
+    kappa2: float
     alpha1: float
     alpha2: float
     period: float
@@ -111,6 +115,7 @@ def law_parameters(
     Returns
     -------
     LawParameters
+        ``kappa_i`` is h·γ_i^M/γ_i^m, ``inv_gamma_i`` is 1/γ_i^m;
         ``lookahead`` is h in the implicit form and 0 in the explicit one; ``band_i`` is
         h·γ_i^M·φ_i^M/γ_i^m in the implicit form (how far a disturbance holds u off its surface) and
         0 in the explicit one; ``alpha_i`` is the middle of the bounds; ``steer_low`` is infinite
@@ -187,8 +192,12 @@ def law_parameters(
         phi2=phi2,
         gamma_min1=gm1,
         gamma_min2=gm2,
+        inv_gamma1=1.0 / gm1,
+        inv_gamma2=1.0 / gm2,
         gamma_max1=gM1,
         gamma_max2=gM2,
+        kappa1=h * gM1 / gm1,
+        kappa2=h * gM2 / gm2,
         alpha1=0.5 * (low1 + high1),
         alpha2=0.5 * (low2 + high2),
         period=h,

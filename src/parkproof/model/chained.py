@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from parkproof.errors import InputError
 from parkproof.model.unicycle import Pose, Velocity, wrap_angle
-from parkproof.scalar import arctan, cosine, scalar, sine
+from parkproof.scalar import arctan, cosine, scalar, sine, tangent
 from parkproof.validate import finite
 
 
@@ -92,6 +92,34 @@ def body_inputs(u0: float, u1: float, x2: float) -> tuple[float, float]:
     """
     secant_squared = 1.0 + x2 * x2
     return u0 * math.sqrt(secant_squared), u1 / secant_squared
+
+
+@scalar
+def chart_of(theta: float, v: float, omega: float) -> tuple[float, float, float]:
+    """x2, u0 and u1 of a heading and velocities; no finite ones where |θ| ≥ 90°.
+
+    Parameters
+    ----------
+    theta : float
+        Heading in rad, in (−π, π].
+    v, omega : float
+        Forward speed, and turn rate of the heading.
+
+    Returns
+    -------
+    tuple of float
+        (x2, u0, u1): ±∞, NaN, NaN outside the chart, with the sign of θ.
+
+    Examples
+    --------
+    >>> from parkproof.model.chained import chart_of
+    >>> chart_of(0.0, 2.0, 1.0), chart_of(-2.0, 2.0, 1.0)
+    ((0.0, 2.0, 1.0), (-inf, nan, nan))
+    """
+    inside = abs(theta) < 0.5 * math.pi
+    x2 = tangent(theta) if inside else math.copysign(math.inf, theta)
+    u0, u1 = chained_inputs(v, omega, x2)
+    return x2, u0 if inside else math.nan, u1 if inside else math.nan
 
 
 @scalar

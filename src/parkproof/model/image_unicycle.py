@@ -15,7 +15,7 @@ gains follow from it through the inverse homography, image to floor (`image_gain
 import math
 from typing import NamedTuple
 
-from parkproof.model.homography import Homography, homography_jacobian
+from parkproof.model.homography import Homography, Nine, homography_jacobian
 from parkproof.model.unicycle import Pose
 from parkproof.scalar import scalar
 from parkproof.validate import finite
@@ -122,6 +122,34 @@ def image_gains(
     y = d10 * c + d11 * s
     squared = x * x + y * y
     return 1.0 / math.sqrt(squared), squared / (d00 * d11 - d01 * d10)
+
+
+@scalar
+def gains_under(camera: Nine, x: float, y: float, c: float, s: float) -> tuple[float, float]:
+    """Gains at an image pose (`image_gains`), the homography given as one.
+
+    Parameters
+    ----------
+    camera : nine floats
+        Homography image → floor, row by row, positive depth at the point.
+    x, y : float
+        Image point.
+    c, s : float
+        cos ψ and sin ψ of the image heading.
+
+    Returns
+    -------
+    tuple of float
+        (a, β).
+
+    Examples
+    --------
+    >>> from parkproof.model.image_unicycle import gains_under
+    >>> gains_under((0.5, 0.0, 0.0, 0.0, 0.25, 0.0, 0.0, 0.0, 1.0), 7.0, 9.0, 0.0, 1.0)
+    (4.0, 0.5)
+    """
+    g00, g01, g02, g10, g11, g12, g20, g21, g22 = camera
+    return image_gains(g00, g01, g02, g10, g11, g12, g20, g21, g22, x, y, c, s)
 
 
 @scalar

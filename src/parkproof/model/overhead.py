@@ -5,7 +5,6 @@ tag shows, and never the camera.
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -15,15 +14,45 @@ from parkproof.errors import InputError
 from parkproof.model.camera import PinholeCamera
 from parkproof.model.goal_frame import GainBounds, gain_bounds, goal_homography
 from parkproof.model.homography import Homography
-from parkproof.model.image_unicycle import image_gains, image_of
+from parkproof.model.image_unicycle import image_of
 from parkproof.model.unicycle import Pose
+from parkproof.scalar import scalar
 from parkproof.validate import finite, positive
 
-ImageGains = Callable[[float, float, float, float], tuple[float, float, float]]
-"""Gains (g0, g1, β) at (x, y) with heading (cos θ, sin θ): ẋ = g0 v cos θ, ẏ = g1 v sin θ,
-θ̇ = β ω."""
-
 Corner = tuple[float, float]
+
+Outline = tuple[float, float, float, float, float, float, float, float]
+"""x and y of four corners, in order around a picture."""
+
+
+@scalar
+def is_inside(outline: Outline, x: float, y: float) -> bool:
+    """Whether a point is in a picture, its border included: on the same side of all four edges.
+
+    Parameters
+    ----------
+    outline : eight floats
+        x and y of the corners, in order around the picture, either way.
+    x, y : float
+        The point.
+
+    Returns
+    -------
+    bool
+        True inside.
+
+    Examples
+    --------
+    >>> square = (0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0)
+    >>> is_inside(square, 0.5, 1.0), is_inside(square, 0.5, 1.1)
+    (True, False)
+    """
+    ax, ay, bx, by, cx, cy, dx, dy = outline
+    one = (bx - ax) * (y - ay) - (by - ay) * (x - ax)
+    two = (cx - bx) * (y - by) - (cy - by) * (x - bx)
+    three = (dx - cx) * (y - cy) - (dy - cy) * (x - cx)
+    four = (ax - dx) * (y - dy) - (ay - dy) * (x - dx)
+    return min(one, two, three, four) >= 0.0 or max(one, two, three, four) <= 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,7 +124,8 @@ class OverheadView:
         return goal_homography(self.to_pixels, Pose(*self.goal), self.unit)
 
     @cached_property
-    def _floor(self) -> Homography:
+    def from_goal(self) -> Homography:
+        """Homography from the goal's image frame to the floor."""
         return self.to_goal.inverse()
 
     @cached_property
@@ -121,15 +151,10 @@ class OverheadView:
         return x, y, psi
 
     @cached_property
-    def gains(self) -> ImageGains:
-        """The gains (a, a, β) as a function of the image pose."""
-        entries = self._floor.entries
-
-        def gains(x: float, y: float, c: float, s: float) -> tuple[float, float, float]:
-            a, beta = image_gains(*entries, x, y, c, s)
-            return a, a, beta
-
-        return gains
+    def outline(self) -> Outline:
+        """The same corners as eight numbers."""
+        (ax, ay), (bx, by), (cx, cy), (dx, dy) = self.corners
+        return ax, ay, bx, by, cx, cy, dx, dy
 
     @cached_property
     def bounds(self) -> GainBounds:
@@ -149,9 +174,7 @@ class OverheadView:
         bool
             True inside the picture.
         """
-        sides = zip(self.corners, (*self.corners[1:], self.corners[0]), strict=True)
-        turns = [(bx - ax) * (y - ay) - (by - ay) * (x - ax) for (ax, ay), (bx, by) in sides]
-        return all(turn >= 0.0 for turn in turns) or all(turn <= 0.0 for turn in turns)
+        return is_inside(self.outline, x, y)
 
 
 class PinholeTable(

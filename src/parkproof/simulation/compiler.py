@@ -24,8 +24,9 @@ def _use_wide_registers() -> None:
     named a processor to numba. It changes speed only.
     """
     features: str = codegen.get_host_cpu_features()
-    if config.CPU_NAME is None and config.CPU_FEATURES is None and "+avx512f" in features:
-        config.CPU_FEATURES = f"{features},-prefer-256-bit"
+    settings: Any = config
+    if settings.CPU_NAME is None and settings.CPU_FEATURES is None and "+avx512f" in features:
+        settings.CPU_FEATURES = f"{features},-prefer-256-bit"
 
 
 _use_wide_registers()

@@ -47,8 +47,8 @@ def simulate_ensemble(scenarios: Sequence[Scenario], *, threads: int = 1) -> dic
     Parameters
     ----------
     scenarios : sequence of Scenario
-        Trials of robots of kind "chained". They may differ in start, truth and
-        ``run.seed`` only.
+        Trials. They may differ in start, truth, camera and ``run.seed`` only, and have a camera all
+        or none.
     threads : int
         Number of threads; a trial's result does not depend on it.
 
@@ -82,11 +82,9 @@ def simulate_ensemble(scenarios: Sequence[Scenario], *, threads: int = 1) -> dic
     first = scenarios[0]
     if any(_shared(s) != _shared(first) for s in scenarios[1:]):
         raise InputError(
-            "the trials of an ensemble differ in more than start and truth (and run.seed): "
+            "the trials of an ensemble differ in more than start and truth, camera and run.seed: "
             "run an ensemble for each law, gains, bounds and run settings"
         )
-    for scenario in scenarios:
-        check_lanes(scenario)
     return simulate_trials(first, trials_of(scenarios), threads=threads)
 
 
@@ -97,7 +95,7 @@ def simulate_trials(scenario: Scenario, trials: Trials, *, threads: int = 1) -> 
     ----------
     scenario : Scenario
         What all trials share: law, bounds, gains, switching, run (but for its seed), robot and
-        limits. Its own start and truth do not matter.
+        limits. Its own start, truth and camera do not matter.
     trials : Trials
         In what they differ.
     threads : int
@@ -108,11 +106,6 @@ def simulate_trials(scenario: Scenario, trials: Trials, *, threads: int = 1) -> 
     dict of str to array
         As from `simulate_ensemble`.
 
-    Raises
-    ------
-    InputError
-        If lanes cannot carry out such a robot or camera.
-
     Examples
     --------
     >>> from parkproof.scenario import RunSettings, Start
@@ -121,7 +114,6 @@ def simulate_trials(scenario: Scenario, trials: Trials, *, threads: int = 1) -> 
     >>> simulate_trials(scenario, trials_of([scenario]))["outcome"][0].value
     'parked'
     """
-    check_lanes(scenario)
     from parkproof.simulation.lanes.kernel import kernel_of
 
     run, limits = scenario.run, scenario.limits
@@ -131,6 +123,8 @@ def simulate_trials(scenario: Scenario, trials: Trials, *, threads: int = 1) -> 
             scenario.law,
             implicit=run.discretisation == "implicit",
             exact=sensing.delay == 0 and not any(sensing.deviations),
+            robot=scenario.robot.kind,
+            camera=trials.have_cameras,
         )
     p = law_parameters(
         bounds=scenario.bounds,
@@ -161,36 +155,6 @@ def simulate_trials(scenario: Scenario, trials: Trials, *, threads: int = 1) -> 
                 some = trials if alike.size == len(trials) else trials.some(alike)
                 out[:, alike] = _carry_out(kernel, shared, some, pool)
     return _results(dict(zip(RESULTS, out, strict=True)), scenario, clock)
-
-
-def check_lanes(scenario: Scenario) -> None:
-    """Check that lanes can carry a scenario out.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        Any.
-
-    Raises
-    ------
-    InputError
-        If they cannot, with what can.
-
-    Examples
-    --------
-    >>> from parkproof.scenario import Start
-    >>> check_lanes(Scenario(law="corrected", start=Start(pose=(-1.0, 0.1, 0.0))))
-    """
-    if scenario.camera is not None:
-        raise InputError(
-            "lanes carry out scenarios under the paper's camera only: leave out [camera], or use "
-            "simulate()"
-        )
-    if scenario.robot.kind != "chained":
-        raise InputError(
-            f'robot.kind = "{scenario.robot.kind}": lanes carry out robots of kind "chained" only; '
-            "use simulate() for this one"
-        )
 
 
 def _carry_out(

@@ -14,7 +14,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic, overload, register_jitable
 
-from parkproof.scalar import sine, spow
+from parkproof.scalar import sine, spow, tangent
 from parkproof.simulation.compiler import OPTIONS
 
 ROUNDER = 6755399441055744.0
@@ -107,10 +107,15 @@ def _sine_polynomial(x: float) -> float:
     k = shifted - ROUNDER
     r = fused(-k, PI_REST, fused(-k, math.pi, x))
     g = r * r
-    g2 = g * g
-    low = fused(fused(SIN[3], g, SIN[2]), g2, fused(SIN[1], g, SIN[0]))
-    high = fused(fused(SIN[7], g, SIN[6]), g2, fused(SIN[5], g, SIN[4]))
-    value = fused(r * g, fused(high, g2 * g2, low), r)
+    series = SIN[7]
+    series = fused(series, g, SIN[6])
+    series = fused(series, g, SIN[5])
+    series = fused(series, g, SIN[4])
+    series = fused(series, g, SIN[3])
+    series = fused(series, g, SIN[2])
+    series = fused(series, g, SIN[1])
+    series = fused(series, g, SIN[0])
+    value = fused(r * g, series, r)
     return double_of(bits_of(value) ^ (bits_of(shifted) << 63))
 
 
@@ -134,3 +139,10 @@ def replace_primitives() -> None:
             return wave(x)
 
         return polynomial
+
+    @overload(tangent, jit_options=options)
+    def choose_tangent(x: Any) -> Any:  # noqa: ARG001
+        def quotient(x: Any) -> Any:
+            return wave(x) / wave(x + 0.5 * math.pi)
+
+        return quotient

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from parkproof.laws.controller import Command, Controller, Measurement
-from parkproof.model.overhead import ImageGains
 from parkproof.model.signals import Square, Switched
 from parkproof.model.truth import channel, scales
 from parkproof.scenario import DIVERGED_AT, RunSettings, Scenario
@@ -122,30 +121,6 @@ def integration_steps(run: RunSettings, *, jumps: bool) -> int:
     return max(1, math.ceil(run.control_period / step - 1e-9))
 
 
-def image_gains_of(scenario: Scenario) -> ImageGains:
-    """Gains of the true camera as a function of the image pose.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        Its camera; the paper's, which has truth.alpha to multiply them, has none of its own.
-
-    Returns
-    -------
-    callable
-        (x, y, cos θ, sin θ) → (g0, g1, β).
-
-    Examples
-    --------
-    >>> from parkproof.scenario import Start
-    >>> image_gains_of(Scenario(law="corrected", start=Start(pose=(0, 0, 0))))(0, 0, 1, 0)
-    (1.0, 1.0, 1.0)
-    """
-    if scenario.camera is not None:
-        return scenario.camera.view.gains
-    return lambda x, y, c, s: (1.0, 1.0, 1.0)  # noqa: ARG005
-
-
 def simulate(scenario: Scenario, *, progress: Callable[[float], None] | None = None) -> Run:
     """Carry out one run.
 
@@ -185,7 +160,7 @@ def simulate(scenario: Scenario, *, progress: Callable[[float], None] | None = N
             channel(0, scenario.truth, scenario.bounds),
             channel(1, scenario.truth, scenario.bounds),
         ),
-        image_gains=image_gains_of(scenario),
+        camera=None if scenario.camera is None else scenario.camera.view.from_goal.entries,
         scales=scales(scenario.truth, scenario.bounds),
         pose=scenario.start_pose,
         velocity=scenario.start_velocity,

@@ -155,18 +155,12 @@ def chained_euler_step(
     x2: float,
     u0: float,
     u1: float,
-    start: Scales,
-    middle: Scales,
-    end: Scales,
-    start1: float,
-    middle1: float,
-    end1: float,
-    start2: float,
-    middle2: float,
-    end2: float,
+    scales: Scales,
+    rate1: float,
+    rate2: float,
     h: float,
 ) -> FiveFloats:
-    """One explicit Euler step of (6), with the arguments of `chained_step`.
+    """One explicit Euler step of (6).
 
     Simulations elsewhere mostly take such steps; this one is for comparisons with them.
 
@@ -174,10 +168,10 @@ def chained_euler_step(
     ----------
     x0, x1, x2, u0, u1 : float
         State.
-    start, middle, end : three floats each
-        α1, α2 and b2; only those at the step's start are used.
-    start1, middle1, end1, start2, middle2, end2 : float
-        u̇0 and u̇1; only those at the step's start are used.
+    scales : three floats
+        α1, α2 and b2 at the step's start.
+    rate1, rate2 : float
+        u̇0 and u̇1 at the step's start.
     h : float
         Step in s.
 
@@ -188,12 +182,12 @@ def chained_euler_step(
 
     Examples
     --------
-    >>> chained_euler_step(0.0, 0.0, 0.5, 1.0, 0.0, *[(1.0, 1.0, 1.0)] * 3, *[2.0] * 6, 0.1)
+    >>> chained_euler_step(0.0, 0.0, 0.5, 1.0, 0.0, (1.0, 1.0, 1.0), 2.0, 2.0, 0.1)
     (0.1, 0.05, 0.5, 1.2, 0.2)
     """
-    a0, a1, a2 = start
+    a0, a1, a2 = scales
     p0, p1, p2 = chained_rates(x2, u0, u1, a0, a1, a2)
-    return x0 + h * p0, x1 + h * p1, x2 + h * p2, u0 + h * start1, u1 + h * start2
+    return x0 + h * p0, x1 + h * p1, x2 + h * p2, u0 + h * rate1, u1 + h * rate2
 
 
 @scalar
@@ -203,27 +197,21 @@ def turning_euler_step(
     theta: float,
     v: float,
     omega: float,
-    start: Scales,
-    middle: Scales,
-    end: Scales,
-    start1: float,
-    middle1: float,
-    end1: float,
-    start2: float,
-    middle2: float,
-    end2: float,
+    scales: Scales,
+    rate1: float,
+    rate2: float,
     h: float,
 ) -> FiveFloats:
-    """One explicit Euler step outside the chart, with the arguments of `turning_step`.
+    """One explicit Euler step outside the chart.
 
     Parameters
     ----------
     x, y, theta, v, omega : float
         State.
-    start, middle, end : three floats each
-        α1, α2 and b2; only those at the step's start are used.
-    start1, middle1, end1, start2, middle2, end2 : float
-        v̇ and ω̇; only those at the step's start are used.
+    scales : three floats
+        α1, α2 and b2 at the step's start.
+    rate1, rate2 : float
+        v̇ and ω̇ at the step's start.
     h : float
         Step in s.
 
@@ -234,15 +222,15 @@ def turning_euler_step(
 
     Examples
     --------
-    >>> turning_euler_step(0.0, 0.0, 0.0, 1.0, 0.5, *[(1.0, 1.0, 1.0)] * 3, *[2.0] * 6, 0.1)
+    >>> turning_euler_step(0.0, 0.0, 0.0, 1.0, 0.5, (1.0, 1.0, 1.0), 2.0, 2.0, 0.1)
     (0.1, 0.0, 0.05, 1.2, 0.7)
     """
-    a0, a1, a2 = start
+    a0, a1, a2 = scales
     along, across = a0 * v * cosine(theta), a1 * v * sine(theta)
     return (
         x + h * along,
         y + h * across,
         theta + h * (a2 * omega),
-        v + h * start1,
-        omega + h * start2,
+        v + h * rate1,
+        omega + h * rate2,
     )

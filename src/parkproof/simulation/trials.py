@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from parkproof.errors import InputError
+from parkproof.model.overhead import Overhead
 from parkproof.model.truth import Resolved, channel, scales
 from parkproof.scenario import Scenario
 from parkproof.simulation.noise import keys_of
@@ -19,6 +20,10 @@ SIGNALS = 4
 
 SCALES = 3
 """α1, α2, b2: gains that may vary, too."""
+
+CAMERA = 17
+"""Nine numbers of a camera's homography from the goal's image frame to the floor, row by row, then
+x and y of the corners of its picture in that frame, in order around it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -40,6 +45,8 @@ class Trials:
         φ1^M and φ2^M where an adversary acts, else 0.
     keys : (2, n) array of whole numbers
         Keys of the noise of the measurements, from `parkproof.simulation.noise.keys_of`.
+    camera : (17, n) or (0, n) array
+        Each trial's camera, from `camera_numbers`; none where it is the paper's.
 
     Raises
     ------
@@ -63,6 +70,7 @@ class Trials:
     tones: Floats
     adversary: Floats
     keys: NDArray[np.int64]
+    camera: Floats
 
     def __post_init__(self) -> None:
         n = self.in_chart.shape[-1]
@@ -71,6 +79,7 @@ class Trials:
         leading = {
             "state": (5,), "in_chart": (), "scale_mean": (SCALES,), "scale_tones": (SCALES, -1, 4),
             "mean": (SIGNALS,), "tones": (SIGNALS, -1, 4), "adversary": (2,), "keys": (2,),
+            "camera": (CAMERA if len(self.camera) else 0,),
         }  # fmt: skip
         for name, wanted in leading.items():
             shape = getattr(self, name).shape
@@ -115,6 +124,11 @@ class Trials:
         )
 
     @property
+    def have_cameras(self) -> bool:
+        """Whether each trial has a camera of its own, or all have the paper's."""
+        return len(self.camera) > 0
+
+    @property
     def jump(self) -> NDArray[np.bool_]:
         """Whether a signal of a trial is a square wave."""
         squares = np.concatenate((self.tones[:, :, 3], self.scale_tones[:, :, 3]), axis=None)
@@ -134,14 +148,36 @@ def _signals(trials: Sequence[Sequence[Resolved]], least: int) -> tuple[Floats, 
     return means, waves
 
 
+def camera_numbers(camera: Overhead) -> tuple[float, ...]:
+    """Give the numbers of a camera that lanes need.
+
+    Parameters
+    ----------
+    camera : PinholeTable or HomographyTable
+        The camera of a scenario.
+
+    Returns
+    -------
+    17 floats
+        See `CAMERA`.
+
+    Examples
+    --------
+    >>> from parkproof.model.overhead import PinholeTable
+    >>> len(camera_numbers(PinholeTable(height=3.0, focal_length=500.0, unit=40.0))) == CAMERA
+    True
+    """
+    return (*camera.view.from_goal.entries, *camera.view.outline)
+
+
 def trials_of(scenarios: Sequence[Scenario]) -> Trials:
     """Resolve scenarios to arrays.
 
     Parameters
     ----------
     scenarios : sequence of Scenario
-        At least one. Only start, truth and ``run.seed`` are looked at, and the bounds that an
-        adversary exhausts.
+        At least one. Only start, truth, camera and ``run.seed`` are looked at, and the bounds that
+        an adversary exhausts.
 
     Returns
     -------
@@ -151,7 +187,7 @@ def trials_of(scenarios: Sequence[Scenario]) -> Trials:
     Raises
     ------
     InputError
-        If there are none.
+        If there are none, or some have a camera of their own and others have not.
 
     Examples
     --------
@@ -161,6 +197,12 @@ def trials_of(scenarios: Sequence[Scenario]) -> Trials:
     """
     if not scenarios:
         raise InputError("no trials: an ensemble needs at least one scenario; give some")
+    cameras = [s.camera for s in scenarios if s.camera is not None]
+    if len(cameras) not in {0, len(scenarios)}:
+        raise InputError(
+            f"{len(cameras)} of {len(scenarios)} trials have a [camera]: all of an ensemble must "
+            "have one, or none; give the others one, or run two ensembles"
+        )
     channels = [[channel(i, s.truth, s.bounds) for i in range(2)] for s in scenarios]
     n = len(scenarios)
     state, in_chart, adversary = np.empty((5, n)), np.empty(n), np.empty((2, n))
@@ -178,6 +220,7 @@ def trials_of(scenarios: Sequence[Scenario]) -> Trials:
     # where no α and no b2 varies there are no tones, and the kernel is done with them at once
     scale_mean, scale_tones = _signals([scales(s.truth, s.bounds) for s in scenarios], 0)
     mean, tones = _signals(inputs, 1)
+    camera = np.array([camera_numbers(one) for one in cameras]).T if cameras else np.empty((0, n))
     return Trials(
         state=state,
         in_chart=in_chart,
@@ -187,4 +230,5 @@ def trials_of(scenarios: Sequence[Scenario]) -> Trials:
         tones=tones,
         adversary=adversary,
         keys=keys,
+        camera=camera,
     )

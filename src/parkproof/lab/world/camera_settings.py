@@ -83,8 +83,9 @@ class CameraSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     colour: bool = False
 
     def __post_init__(self) -> None:
-        for name in ("noise", "blur", "exposure_time"):
-            force_setattr(self, name, not_negative(name, getattr(self, name)))
+        for name, most, unit in (("noise", 255.0, "grey levels"), ("blur", 50.0, "px")):
+            force_setattr(self, name, within(name, getattr(self, name), 0.0, most, unit=unit))
+        force_setattr(self, "exposure_time", not_negative("exposure_time", self.exposure_time))
         positive("exposure", self.exposure)
         force_setattr(self, "rate", within("rate", self.rate, *RATES, unit="frames/s"))
         force_setattr(self, "latency", within("latency", self.latency, 0.0, LONGEST, unit="s"))

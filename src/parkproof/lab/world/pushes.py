@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 from msgspec.structs import force_setattr
 
-from parkproof.validate import not_negative, positive
+from parkproof.validate import within
 
 _STREAM = 2
 """Stream of the seed from which pushes are drawn."""
@@ -44,10 +44,13 @@ class PushSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     lever: float = 0.05
 
     def __post_init__(self) -> None:
-        for name in ("force", "lever"):
-            force_setattr(self, name, not_negative(name, getattr(self, name)))
-        positive("duration", self.duration, example=0.2)
-        positive("rate", self.rate, example=0.5)
+        for name, low, high, unit in (
+            ("force", 0.0, 1e3, "N"),
+            ("lever", 0.0, 1.0, "m"),
+            ("duration", 1e-3, 1e3, "s"),
+            ("rate", 1e-3, 1e3, "pushes/s"),
+        ):
+            force_setattr(self, name, within(name, getattr(self, name), low, high, unit=unit))
 
 
 class Push(NamedTuple):

@@ -10,7 +10,7 @@ from parkproof.errors import InputError
 from parkproof.lab.devices import RobotLimits
 from parkproof.lab.image_pose import TagMount
 from parkproof.model.homography import numbers
-from parkproof.validate import finite, not_negative, positive, whole_number
+from parkproof.validate import finite, not_negative, positive, whole_number, within
 
 LAST_TAG = 586
 """Greatest number of a tag of the family tag36h11."""
@@ -101,6 +101,7 @@ class RobotSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
             force_setattr(self, name, positive(name, getattr(self, name)))
         for name in ("dead_band", "friction_torque", "servo_time"):
             force_setattr(self, name, not_negative(name, getattr(self, name)))
+        within("mass", self.mass, 0.01, 1e3, unit="kg")
         if not whole_number("tag_id", self.tag_id) <= LAST_TAG:
             raise InputError(
                 f"tag_id = {self.tag_id}: tags of the family tag36h11 have numbers 0 to "

@@ -15,10 +15,13 @@ from parkproof.model.homography import numbers
 from parkproof.scenario_file.read import converted
 from parkproof.scenario_file.templates import template
 from parkproof.scenario_file.toml import load_toml
-from parkproof.validate import whole_number
+from parkproof.validate import whole_number, within
 
 FloorPose = tuple[float, float, float]
 """x and y of the middle of the axle in m, and θ in rad."""
+
+FARTHEST = 1e3
+"""Largest coordinate in m, or angle in rad, of a pose."""
 
 
 class WorldSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -56,7 +59,10 @@ class WorldSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 
     def __post_init__(self) -> None:
         for name in ("start", "goal"):
-            force_setattr(self, name, numbers(name, getattr(self, name), 3))
+            pose = numbers(name, getattr(self, name), 3)
+            for value in pose:
+                within(name, value, -FARTHEST, FARTHEST, unit="m and rad")
+            force_setattr(self, name, pose)
         whole_number("seed", self.seed)
         if not self.camera.height > self.robot.tag_height + 0.1:
             raise InputError(

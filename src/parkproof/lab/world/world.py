@@ -90,8 +90,9 @@ class World:
         self.settings = settings
         size = render_size(settings.camera.lens())
         text, pictures = world_model(settings, render_size=size)
+        mujoco = load_mujoco()
         try:
-            self._model = load_mujoco().MjModel.from_xml_string(text, pictures)
+            self._model = mujoco.MjModel.from_xml_string(text, pictures)
         except ValueError as error:  # a mass or a length that is too small or too large for it
             raise InputError(
                 f"this world cannot be simulated: {error}; write sizes and masses such as a robot "

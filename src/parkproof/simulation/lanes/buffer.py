@@ -20,11 +20,21 @@ ROWS = (
     "excursion2", "path",
     "max0", "max1", "max2", "max3", "max4", "low0", "high0", "speed", "turn_rate", "heading",
     # working values
-    "chart", "next", "ending", "tau1", "tau2", "new1", "new2", "turn_square",
+    "chart", "next", "ending", "tau1", "tau2", "new1", "new2", "error1", "error2",
+    "push1", "push2", "turn_square",
     "kept0", "kept1", "kept2", "kept3", "kept4", "kept_path",
     "seen0", "seen1", "seen2", "seen3", "seen4", "raw2", "raw3", "raw4", "raw_chart",
+    # of cameras, and of robots that take accelerations or velocities
+    "beta", "seen_beta", "own0", "own1", "own2", "own3", "own4",
+    "pose0", "pose1", "pose2", "pose3", "pose4",
+    "kept_u0", "kept_u1", "kept_chart", "kept_v", "kept_omega", "act1", "act2",
     *(f"{name}_{when}" for when in ("mean", "start", "middle", "end") for name in (
         "gamma1", "gamma2", "phi1", "phi2", "alpha1", "alpha2", "b2",
+    )),
+    # what the implicit form seeks, for each channel
+    *(f"{name}_{channel}" for channel in (1, 2) for name in (
+        "size", "power", "offset", "outer", "surface", "side", "distance",
+        "low", "high", "at_low", "at_high", "last", "at", "open",
     )),
 )  # fmt: skip
 """Rows of a block's buffer. One buffer, so that the compiler sees that rows never overlap."""
@@ -42,22 +52,32 @@ largest |θ| outside the chart."""
     PEAK1, PEAK2, SQUARE1, SQUARE2, VARIATION1, VARIATION2,
     EXCURSION2, PATH,
     MAX0, MAX1, MAX2, MAX3, MAX4, LOW0, HIGH0, SPEED, TURN_RATE, HEADING,
-    CHART, NEXT, ENDING, TAU1, TAU2, NEW1, NEW2, TURN_SQUARE,
+    CHART, NEXT, ENDING, TAU1, TAU2, NEW1, NEW2, ERROR1, ERROR2, PUSH1, PUSH2, TURN_SQUARE,
     KEPT0, KEPT1, KEPT2, KEPT3, KEPT4, KEPT_PATH,
     SEEN0, SEEN1, SEEN2, SEEN3, SEEN4, RAW2, RAW3, RAW4, RAW_CHART,
-    *SIGNAL_ROWS,
+    BETA, SEEN_BETA, OWN0, OWN1, OWN2, OWN3, OWN4,
+    POSE0, POSE1, POSE2, POSE3, POSE4,
+    KEPT_U0, KEPT_U1, KEPT_CHART, KEPT_V, KEPT_OMEGA, ACT1, ACT2,
+    *_REST,
 ) = range(0, BLOCK * len(ROWS), BLOCK)  # fmt: skip
 """Where each row begins: lane j of row ``TAU1`` is ``b[TAU1 + j]``."""
 
 SIGNALS = 7
 """Signals of a trial: γ1, γ2, φ1, φ2, α1, α2, b2."""
 
-MEAN, START, MIDDLE, END = SIGNAL_ROWS[::SIGNALS]
+MEAN, START, MIDDLE, END = _REST[: 4 * SIGNALS : SIGNALS]
 """Where the rows of signals begin: their means, and their values at a step's start, middle and
 end."""
 
 GAMMA1, GAMMA2, PHI1, PHI2, ALPHA1, ALPHA2, B2 = range(0, BLOCK * SIGNALS, BLOCK)
 """Where the row of each signal begins, counted from one of these."""
+
+(
+    SIZE, POWER, OFFSET, OUTER, SURFACE, SIDE, DISTANCE,
+    LOW, HIGH, AT_LOW, AT_HIGH, LAST, AT, OPEN,
+) = _REST[4 * SIGNALS : 4 * SIGNALS + 14]  # fmt: skip
+CHANNELS = _REST[4 * SIGNALS + 14] - SIZE
+"""How far the second channel's rows of a search lie behind those of the first, given above."""
 
 STEPS = 5
 """Steps of a law: turn, run-up, approach, return, hold."""

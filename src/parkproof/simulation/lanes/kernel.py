@@ -1,16 +1,18 @@
 """The same scalar functions compiled for ensembles: 64 trials side by side, the loop inside.
 
-The kernel repeats the reference run of `parkproof.simulation.run` for robots of kind "chained" and
-the paper's camera. Law, switching, inputs and measurements are the functions used there; only the
-order of the loops differs. A lane's result does not depend on its place in a batch or on its
-company, as every operation rounds alike in whichever loop (`parkproof.simulation.compiler`).
+The kernel repeats the reference run of `parkproof.simulation.run`. Law, switching, inputs and
+measurements are the functions used there; only the order of the loops differs. A lane's result does
+not depend on its place in a batch or on its company, as every operation rounds alike in whichever
+loop (`parkproof.simulation.compiler`).
 
 A law goes through eight lanes at a time, once for each step in which some of them are, with that
 step known to the compiler: powers that a step does not need are then not there. Changes of step and
 all that comes with them are rare, and done one lane at a time.
 
-A controller is given the rows X0 … X4: where measurements are exact and prompt, those of the state
-itself, else those that `parkproof.simulation.lanes.sensor` fills.
+A controller is given the rows X0 … X4: for robots of kind "chained" whose measurements are exact
+and prompt, those of the state itself, else those that `parkproof.simulation.lanes.sensor` or
+`parkproof.simulation.lanes.robots` fills. What else differs between robots and cameras is chosen in
+`parkproof.simulation.lanes.parts`.
 """
 
 import math
@@ -22,12 +24,15 @@ import numba
 import numpy as np
 from numba.extending import register_jitable
 
-from parkproof.laws.inputs import explicit_inputs, implicit_inputs, predicted, with_direct
+from parkproof.laws.controller import RobotKind
+from parkproof.laws.inputs import explicit_inputs, implicit_inputs
 from parkproof.laws.table import law_named
 from parkproof.laws.turn import turn_channels, turned
 from parkproof.model.chained import chained_inputs
 from parkproof.model.unicycle import wrap_angle
 from parkproof.simulation.compiler import OPTIONS, register
+from parkproof.simulation.lanes import explicit as explicit_form
+from parkproof.simulation.lanes import implicit as implicit_form
 from parkproof.simulation.lanes.buffer import (
     BEFORE,
     BLOCK,
@@ -39,44 +44,30 @@ from parkproof.simulation.lanes.buffer import (
     NEW2,
     NEXT,
     S0,
-    S1,
     S2,
-    S3,
-    S4,
     SEEN0,
-    SEEN1,
-    SEEN2,
-    SEEN3,
-    SEEN4,
     STEP,
     STEPS,
+    TAU1,
+    TAU2,
     WAY,
 )
 from parkproof.simulation.lanes.first import all_tones, first_buffer, kinds_of
+from parkproof.simulation.lanes.kept import keep
 from parkproof.simulation.lanes.metrics import (
     end_beyond_limits,
+    end_code,
     hand_in,
+    mark_ends,
     measure,
     note_step,
-    watch,
 )
 from parkproof.simulation.lanes.parameters import array_of, parameters_in
-from parkproof.simulation.lanes.plant import advance, change_coordinates
-from parkproof.simulation.lanes.sensor import end_unseen, is_misled, see, seen_pose
-from parkproof.simulation.steps import (
-    chained_euler_step,
-    chained_step,
-    turning_euler_step,
-    turning_step,
-)
+from parkproof.simulation.lanes.parts import parts_of
+from parkproof.simulation.lanes.plant import push, state_at
+from parkproof.simulation.lanes.sensor import end_unseen, is_misled, is_unseen
 
 inlined = register_jitable(forceinline=True, **OPTIONS)
-
-
-@inlined
-def true_pose(b, j):
-    """Heading, speed and turn rate of a lane that turns, measured exactly."""
-    return b[S2 + j], b[S3 + j], b[S4 + j]
 
 
 @inlined
@@ -96,7 +87,13 @@ def find_steps(b, counts, groups):
 
 @cache
 def kernel_of(
-    law_name: str, *, implicit: bool, exact: bool = True, euler: bool = False
+    law_name: str,
+    *,
+    implicit: bool,
+    exact: bool = True,
+    robot: RobotKind = "chained",
+    camera: bool = False,
+    euler: bool = False,
 ) -> Callable[..., Any]:
     """Give the kernel of a law in one form, compiled when first called, once a process.
 
@@ -108,63 +105,79 @@ def kernel_of(
         Which form of the law.
     exact : bool
         Whether measurements are without noise and latency.
+    robot : "chained", "torque" or "velocity"
+        What the robots are commanded by.
+    camera : bool
+        Whether each trial has a camera of its own, or all have the paper's.
     euler : bool
-        Whether to integrate by Euler's method, as the work that lanes are compared with does.
+        Whether to integrate by Euler's method, as what lanes are compared with does; for robots of
+        kind "chained" under the paper's camera.
 
     Returns
     -------
     callable
         ``kernel(p, clock, limits, sensing, state, in_chart, scale_mean, scale_tones, mean, tones,
-        adversary, keys, out)``: carries out the trials of one block of `BLOCK` lanes, reading
-        arrays whose last axis is the lane and writing the rows `RESULTS` into ``out``. It releases
-        the interpreter lock.
+        adversary, keys, camera, out)``: carries out the trials of one block of `BLOCK` lanes,
+        reading arrays whose last axis is the lane and writing the rows `RESULTS` into ``out``. It
+        releases the interpreter lock.
 
     Examples
     --------
     >>> callable(kernel_of("corrected", implicit=False))
     True
     """
-    kernel = _compiled(law_name, implicit, exact, euler)
+    kernel = _compiled(law_name, implicit, exact, robot, camera, euler)
 
     def block(
         p, clock, limits, sensing, state, in_chart, scale_mean, scale_tones, mean, tones,
-        adversary, keys, out,
+        adversary, keys, cameras, out,
     ):  # fmt: skip
         b, all_of = first_buffer(state, in_chart, mean, scale_mean), all_tones(tones, scale_tones)
         ring = np.empty((1 if exact else sensing.delay + 1, 6, BLOCK))
         counts, groups = np.zeros(STEPS, np.int64), np.zeros((STEPS, BLOCK // GROUP), np.int64)
         kernel(
-            array_of(p), clock, limits, sensing, b, ring, counts, groups, all_of,
-            kinds_of(all_of), adversary, keys, out,
+            array_of(p), clock, limits, sensing, b, ring, counts, groups, all_of, kinds_of(all_of),
+            adversary, keys, cameras, out,
         )  # fmt: skip
 
     return block
 
 
 @cache
-def _compiled(law_name: str, implicit: bool, exact: bool, euler: bool) -> Callable[..., Any]:
+def _compiled(
+    law_name: str, implicit: bool, exact: bool, robot: RobotKind, camera: bool, euler: bool
+) -> Callable[..., Any]:
     register()
     law = law_named(law_name)
     law_begin, law_direction, law_switch = law.begin, law.direction, law.switch
     law_channels, law_direct, turns = law.channels, law.direct, law.turns
     inputs = implicit_inputs if implicit else explicit_inputs
-    X0, X1, X2, X3, X4 = (S0, S1, S2, S3, S4) if exact else (SEEN0, SEEN1, SEEN2, SEEN3, SEEN4)
-    pose = true_pose if exact else seen_pose
-    step_in_chart = chained_euler_step if euler else chained_step
-    step_outside = turning_euler_step if euler else turning_step
+    known = exact and robot == "chained"
+    seen = S0 if known else SEEN0
+    X0, X1, X2, X3, X4 = range(seen, seen + 5 * BLOCK, BLOCK)
+    form = implicit_form if implicit else explicit_form
+    prepare, solve, answer = form.prepare, form.solve, form.answer
+    must_be_seen = not known and not turns
+    can_be_misled = robot == "chained" and not exact
+    begin, look, pose, settle, pictured, gain, act, go, idle = parts_of(
+        robot, camera=camera, exact=exact, euler=euler
+    )
 
     @inlined
-    def switch(b, t, p):
-        """Next step of each lane in the chart; say how many go on or back."""
-        changes = 0
-        for j in range(BLOCK):
-            x0, x1, x2, u0, u1 = b[X0 + j], b[X1 + j], b[X2 + j], b[X3 + j], b[X4 + j]
-            step = b[STEP + j]
-            after = law_switch(step, b[WAY + j], t, x0, x1, x2, u0, u1, p)
-            after = after if step > 0.0 else step
-            b[NEXT + j] = after
-            changes += 1 if after != step else 0
-        return changes
+    def switch_from(b, step, count, firsts, t, cameras, limits, p):
+        """Next step of lanes in one step; say of how many there is more to do: a change, an end."""
+        found = 0
+        for i in range(count):
+            first = firsts[i] & (BLOCK - GROUP)  # so that the compiler sees that it is an index
+            for j in range(first, first + GROUP):
+                x0, x1, x2, u0, u1 = state_at(b, j, seen)
+                after = law_switch(step, b[WAY + j], t, x0, x1, x2, u0, u1, p)
+                here = b[STEP + j] == step
+                b[NEXT + j] = after if here else b[NEXT + j]
+                more = after != step or end_code(b, cameras, j, limits, turns, pictured) > 0.0
+                more = more or (must_be_seen and is_unseen(b, j))
+                found += 1 if here and more else 0
+        return found
 
     @inlined
     def ask_to_begin(b, j, p):
@@ -188,30 +201,15 @@ def _compiled(law_name: str, implicit: bool, exact: bool, euler: bool) -> Callab
             if b[ENDING + j] == 0.0:
                 if b[STEP + j] <= 0.0:
                     ask_to_begin(b, j, p)
-                if not exact and is_misled(b, j):
+                if can_be_misled and is_misled(b, j):
                     b[ENDING + j] = LEFT_CHART
                     misled += 1
                 elif b[NEXT + j] != b[STEP + j]:
                     note_step(b, j, t)
-                    change_coordinates(b, j)
+                    settle(b, j)
                     if b[STEP + j] == 1.0:
                         b[WAY + j] = law_direction(b[X0 + j], b[X1 + j], b[X2 + j], b[X3 + j], p)
         return misled
-
-    @inlined
-    def command_in_step(b, step, count, firsts, p):
-        for i in range(count):
-            first = firsts[i] & (BLOCK - GROUP)  # so that the compiler sees that it is an index
-            for j in range(first, first + GROUP):
-                x0, x1, x2, u0, u1 = b[X0 + j], b[X1 + j], b[X2 + j], b[X3 + j], b[X4 + j]
-                way = b[WAY + j]
-                y0, y1, y2 = predicted(x0, x1, x2, u0, u1, p)
-                one, two = law_channels(step, way, y0, y1, y2, u0, p)
-                tau1, tau2 = inputs(one, two, u0, u1, p)
-                tau2 = with_direct(tau2, law_direct(step, way, y1, y2, u1, p), p)
-                here = b[STEP + j] == step
-                b[NEW1 + j] = tau1 if here else b[NEW1 + j]
-                b[NEW2 + j] = tau2 if here else b[NEW2 + j]
 
     @inlined
     def command_turning(b, count, firsts, p):
@@ -224,44 +222,60 @@ def _compiled(law_name: str, implicit: bool, exact: bool, euler: bool) -> Callab
 
     @numba.njit(nogil=True, **OPTIONS)
     def kernel(
-        numbers, clock, limits, sensing, b, ring, counts, groups, tones, kinds, adversary, keys, out
-    ):
+        numbers, clock, limits, sensing, b, ring, counts, groups, tones, kinds, adversary, keys,
+        cameras, out,
+    ):  # fmt: skip
         p = parameters_in(numbers)
         limited = min(limits.tau1, limits.tau2, limits.speed, limits.turn_rate) < math.inf
+        opposed = False
+        for j in range(BLOCK):
+            opposed = opposed or adversary[0, j] > 0.0 or adversary[1, j] > 0.0
         running = BLOCK
-        turning = False
+        begin(b, cameras)
         for k in range(clock.samples + 1):
             t = k * clock.period
-            if not exact:
-                see(b, ring, k, sensing, keys)
-            ended = watch(b, limits, turns)
-            if not exact and not turns:
-                ended += end_unseen(b)
-            changes = switch(b, t, p)
-            if changes > 0 or turning or k == 0:
+            look(b, cameras, ring, k, sensing, keys)
+            more = (
+                switch_from(b, 1.0, counts[1], groups[1], t, cameras, limits, p)
+                + switch_from(b, 2.0, counts[2], groups[2], t, cameras, limits, p)
+                + switch_from(b, 3.0, counts[3], groups[3], t, cameras, limits, p)
+                + switch_from(b, 4.0, counts[4], groups[4], t, cameras, limits, p)
+            )
+            if more > 0 or counts[0] > 0 or k == 0:
+                ended = mark_ends(b, cameras, limits, turns, pictured)
+                if must_be_seen:
+                    ended += end_unseen(b)
                 ended += change_steps(b, t, p)
-            if ended > 0:
-                running -= hand_in(b, t, False, out)
-            if changes + ended > 0 or turning or k == 0:
+                if ended > 0:
+                    running -= hand_in(b, t, False, out, idle)
                 find_steps(b, counts, groups)
-                turning = counts[0] > 0
             command_turning(b, counts[0], groups[0], p)
-            command_in_step(b, 1.0, counts[1], groups[1], p)
-            command_in_step(b, 2.0, counts[2], groups[2], p)
-            command_in_step(b, 3.0, counts[3], groups[3], p)
-            command_in_step(b, 4.0, counts[4], groups[4], p)
-            measure(b, k == 0, t >= clock.residual_from, counts[4] > 0, turning)
-            ended = end_beyond_limits(b, limits) if limited else 0
+            prepare(b, 1.0, counts[1], groups[1], seen, p, law_channels)
+            prepare(b, 2.0, counts[2], groups[2], seen, p, law_channels)
+            prepare(b, 3.0, counts[3], groups[3], seen, p, law_channels)
+            prepare(b, 4.0, counts[4], groups[4], seen, p, law_channels)
+            solve(b)
+            answer(b, 1.0, counts[1], groups[1], seen, p, law_channels, law_direct)
+            answer(b, 2.0, counts[2], groups[2], seen, p, law_channels, law_direct)
+            answer(b, 3.0, counts[3], groups[3], seen, p, law_channels, law_direct)
+            answer(b, 4.0, counts[4], groups[4], seen, p, law_channels, law_direct)
+            if k == 0:
+                for j in range(BLOCK):
+                    b[TAU1 + j], b[TAU2 + j] = b[NEW1 + j], b[NEW2 + j]
+            measure(b, t >= clock.residual_from, counts[4] > 0, counts[0] > 0, gain)
+            ended = end_beyond_limits(b, limits, gain) if limited else 0
             last = k == clock.samples
             if ended > 0 or last:
-                running -= hand_in(b, t, last, out)
+                running -= hand_in(b, t, last, out, idle)
                 find_steps(b, counts, groups)
-                turning = counts[0] > 0
             if running == 0:
                 break
-            advance(
-                b, turning, tones, kinds, adversary, t, clock.period, clock.plant_steps, k == 0,
-                euler, step_in_chart, step_outside,
+            if opposed:
+                push(b, adversary)
+            act(b, clock.period)
+            go(
+                b, cameras, counts[0] > 0, tones, kinds, t, clock.period, clock.plant_steps, k == 0
             )  # fmt: skip
 
-    return kernel
+    name = f"{law_name} {implicit=} {exact=} {robot} {camera=} {euler=}"
+    return keep(kernel, name)

@@ -68,7 +68,7 @@ RESULT_ROWS = len(RESULTS)
 
 
 @inlined
-def hand_in(b, t, last, out):
+def hand_in(b, t, last, out, idle):
     """Write the results of lanes that end, or of all that are left; say how many.
 
     A lane that ends before the others idles at the goal from here on.
@@ -86,32 +86,34 @@ def hand_in(b, t, last, out):
             for i in range(5):
                 b[S0 + i * BLOCK + j] = 0.0
             b[STEP + j], b[NEXT + j], b[WAY + j], b[CHART + j] = 4.0, 4.0, 1.0, 1.0
+            idle(b, j)
             found += 1
         b[ENDING + j] = 0.0
     return found
 
 
 @inlined
-def end_code(b, j, limits, turns):
+def end_code(b, camera, j, limits, turns, pictured):
     """Why a lane cannot go on from this measurement, or 0."""
     x, y = b[S0 + j], b[S1 + j]
     x2 = b[S2 + j] if b[CHART + j] == 1.0 else 0.0
     square = 1.0 + x2 * x2
     slow = b[S3 + j] * b[S3 + j] * square < 1e12 and abs(b[S4 + j]) < 1e6 * square
     sound = max(abs(x), abs(y)) < 1e6 and slow
+    inside = pictured(camera, j, x, y)
     seen = x >= limits.x_min and x <= limits.x_max and y >= limits.y_min and y <= limits.y_max
-    inside = turns or abs(x2) < 1e6
-    return DIVERGED if not sound else (OUT_OF_VIEW if not seen else (0.0 if inside else LEFT_CHART))
+    charted = turns or abs(x2) < 1e6
+    code = 0.0 if charted else LEFT_CHART
+    return DIVERGED if not sound else (code if seen and inside else OUT_OF_VIEW)
 
 
 @inlined
-def watch(b, limits, turns):
+def mark_ends(b, camera, limits, turns, pictured):
     """Mark lanes that cannot go on from this measurement, and say how many."""
     found = 0
     for j in range(BLOCK):
-        code = end_code(b, j, limits, turns)
-        b[ENDING + j] = code
-        found += 1 if code > 0.0 else 0
+        b[ENDING + j] = end_code(b, camera, j, limits, turns, pictured)
+        found += 1 if b[ENDING + j] > 0.0 else 0
     return found
 
 
@@ -132,8 +134,11 @@ def note_step(b, j, t):
 
 
 @inlined
-def measure(b, first, late, holding, turning):
-    """Update the metrics of all lanes; the new inputs become those in force."""
+def measure(b, late, holding, turning, gain):
+    """Update the metrics of all lanes; the new inputs become those in force.
+
+    ``gain`` gives β, from the robot's turn rate to that of its heading.
+    """
     for j in range(BLOCK):
         tau1, tau2 = b[NEW1 + j], b[NEW2 + j]
         change1, change2 = abs(tau1 - b[TAU1 + j]), abs(tau2 - b[TAU2 + j])
@@ -141,8 +146,8 @@ def measure(b, first, late, holding, turning):
         b[PEAK2 + j] = max(b[PEAK2 + j], abs(tau2))
         b[SQUARE1 + j] += tau1 * tau1
         b[SQUARE2 + j] += tau2 * tau2
-        b[VARIATION1 + j] += 0.0 if first else change1
-        b[VARIATION2 + j] += 0.0 if first else change2
+        b[VARIATION1 + j] += change1
+        b[VARIATION2 + j] += change2
         b[TAU1 + j], b[TAU2 + j] = tau1, tau2
     for j in range(BLOCK):
         x, y, u0, u1 = b[S0 + j], b[S1 + j], b[S3 + j], b[S4 + j]
@@ -158,9 +163,10 @@ def measure(b, first, late, holding, turning):
         # no roots and quotients here: speed is kept squared, turn rate as a fraction
         square = 1.0 + x2 * x2
         b[SPEED + j] = max(b[SPEED + j], u0 * u0 * square)
-        faster = abs(u1) * b[TURN_SQUARE + j] > b[TURN_RATE + j] * square
+        per_turn = square * gain(b, j)
+        faster = abs(u1) * b[TURN_SQUARE + j] > b[TURN_RATE + j] * per_turn
         b[TURN_RATE + j] = abs(u1) if faster else b[TURN_RATE + j]
-        b[TURN_SQUARE + j] = square if faster else b[TURN_SQUARE + j]
+        b[TURN_SQUARE + j] = per_turn if faster else b[TURN_SQUARE + j]
     # errors; outside the chart |θ| counts for |x2|
     if holding:
         for j in range(BLOCK):
@@ -179,14 +185,14 @@ def measure(b, first, late, holding, turning):
 
 
 @inlined
-def end_beyond_limits(b, limits):
+def end_beyond_limits(b, limits, gain):
     """Mark lanes whose input or speed is beyond its limit, and say how many."""
     found = 0
     for j in range(BLOCK):
         x2 = b[S2 + j] if b[CHART + j] == 1.0 else 0.0
         square = 1.0 + x2 * x2
         fast = abs(b[S3 + j]) * math.sqrt(square) > limits.speed
-        turns_fast = abs(b[S4 + j]) / square > limits.turn_rate
+        turns_fast = abs(b[S4 + j]) / (square * gain(b, j)) > limits.turn_rate
         strong = abs(b[TAU1 + j]) > limits.tau1 or abs(b[TAU2 + j]) > limits.tau2
         code = INPUT_LIMIT if strong else (SPEED_LIMIT if fast or turns_fast else 0.0)
         b[ENDING + j] = code

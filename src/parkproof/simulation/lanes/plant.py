@@ -7,7 +7,7 @@ import math
 
 from numba.extending import register_jitable
 
-from parkproof.model.chained import body_inputs, chained_inputs
+from parkproof.model.chained import body_inputs, chained_inputs, extension_rate
 from parkproof.model.signals import tone_value
 from parkproof.scalar import sign
 from parkproof.simulation.compiler import OPTIONS
@@ -27,8 +27,9 @@ from parkproof.simulation.lanes.buffer import (
     PATH,
     PHI1,
     PHI2,
+    PUSH1,
+    PUSH2,
     S0,
-    S1,
     S2,
     S3,
     S4,
@@ -39,6 +40,12 @@ from parkproof.simulation.lanes.buffer import (
     STEP,
     TAU1,
     TAU2,
+)
+from parkproof.simulation.steps import (
+    chained_euler_step,
+    chained_step,
+    turning_euler_step,
+    turning_step,
 )
 
 inlined = register_jitable(forceinline=True, **OPTIONS)
@@ -53,19 +60,27 @@ def tone_at(tones, i, m, j, squares, t):
 
 @inlined
 def fill_signals(b, tones, kinds, rows, t):
-    """Write the signals that vary at a time into their rows; those of constant ones are right."""
+    """Write the signals that vary at a time into their rows; those of constant ones are right.
+
+    A step's end is the next one's start: where the rows are those for the end, what they held
+    becomes the start.
+    """
     for i in range(SIGNALS):
         row = i * BLOCK
         for m in range(kinds.shape[1]):
             kind = kinds[i, m]
             if kind == SINES and m == 0:
                 for j in range(BLOCK):
+                    if rows == END:
+                        b[START + row + j] = b[END + row + j]
                     b[rows + row + j] = b[MEAN + row + j] + tone_at(tones, i, 0, j, False, t)
             elif kind == SINES:
                 for j in range(BLOCK):
                     b[rows + row + j] += tone_at(tones, i, m, j, False, t)
             elif kind == SQUARES:
                 for j in range(BLOCK):
+                    if rows == END and m == 0:
+                        b[START + row + j] = b[END + row + j]
                     before = b[MEAN + row + j] if m == 0 else b[rows + row + j]
                     b[rows + row + j] = before + tone_at(tones, i, m, j, True, t)
 
@@ -84,12 +99,28 @@ def change_coordinates(b, j):
 
 
 @inlined
-def rates(b, j, row, adversary1, adversary2):
-    """Rates γτ + φ of both channels, with the signals of rows from one on."""
-    tau1, tau2 = b[TAU1 + j], b[TAU2 + j]
-    phi1 = -adversary1 * sign(tau1) if adversary1 > 0.0 else b[row + PHI1 + j]
-    phi2 = -adversary2 * sign(tau2) if adversary2 > 0.0 else b[row + PHI2 + j]
-    return b[row + GAMMA1 + j] * tau1 + phi1, b[row + GAMMA2 + j] * tau2 + phi2
+def push(b, adversary):
+    """Disturbances of adversaries, which oppose the inputs; all other lanes keep theirs, 0."""
+    for j in range(BLOCK):
+        b[PUSH1 + j] = -adversary[0, j] * sign(b[TAU1 + j])
+        b[PUSH2 + j] = -adversary[1, j] * sign(b[TAU2 + j])
+
+
+@inlined
+def disturbed(b, j, row, inputs):
+    """Rates γτ + φ of both channels' last states, with the signals of rows from one on.
+
+    ``inputs`` is the first of the two rows that γ multiplies.
+    """
+    phi1, phi2 = b[row + PHI1 + j] + b[PUSH1 + j], b[row + PHI2 + j] + b[PUSH2 + j]
+    rate1 = extension_rate(b[inputs + j], b[row + GAMMA1 + j], phi1)
+    return rate1, extension_rate(b[inputs + BLOCK + j], b[row + GAMMA2 + j], phi2)
+
+
+@inlined
+def input_rates(b, j, row):
+    """Rates of the last states of a robot that takes τ itself."""
+    return disturbed(b, j, row, TAU1)
 
 
 @inlined
@@ -99,16 +130,49 @@ def scales_at(b, j, row):
 
 
 @inlined
-def move(b, j, state, adversary, h, step):
-    """Move a lane from a state by one integration step, in the chart or outside it."""
-    adversary1, adversary2 = adversary[0, j], adversary[1, j]
-    a1, a2 = rates(b, j, START, adversary1, adversary2)
-    m1, m2 = rates(b, j, MIDDLE, adversary1, adversary2)
-    e1, e2 = rates(b, j, END, adversary1, adversary2)
+def step_in_chart(b, _camera, j, state, one, two, h):
+    """Integration step in the chart, under the paper's camera."""
     s0, s1, s2, s3, s4 = state
+    (a1, m1, e1), (a2, m2, e2) = one, two
     a, m, e = scales_at(b, j, START), scales_at(b, j, MIDDLE), scales_at(b, j, END)
-    n0, n1, n2, n3, n4 = step(s0, s1, s2, s3, s4, a, m, e, a1, m1, e1, a2, m2, e2, h)
-    b[S0 + j], b[S1 + j], b[S2 + j], b[S3 + j], b[S4 + j] = n0, n1, n2, n3, n4
+    return chained_step(s0, s1, s2, s3, s4, a, m, e, a1, m1, e1, a2, m2, e2, h)
+
+
+@inlined
+def step_outside(b, _camera, j, state, one, two, h):
+    """Integration step outside the chart, under the paper's camera."""
+    s0, s1, s2, s3, s4 = state
+    (a1, m1, e1), (a2, m2, e2) = one, two
+    a, m, e = scales_at(b, j, START), scales_at(b, j, MIDDLE), scales_at(b, j, END)
+    return turning_step(s0, s1, s2, s3, s4, a, m, e, a1, m1, e1, a2, m2, e2, h)
+
+
+@inlined
+def euler_in_chart(b, _camera, j, state, one, two, h):
+    """Euler's step in the chart, under the paper's camera."""
+    s0, s1, s2, s3, s4 = state
+    (a1, _, _), (a2, _, _) = one, two
+    return chained_euler_step(s0, s1, s2, s3, s4, scales_at(b, j, START), a1, a2, h)
+
+
+@inlined
+def euler_outside(b, _camera, j, state, one, two, h):
+    """Euler's step outside the chart, under the paper's camera."""
+    s0, s1, s2, s3, s4 = state
+    (a1, _, _), (a2, _, _) = one, two
+    return turning_euler_step(s0, s1, s2, s3, s4, scales_at(b, j, START), a1, a2, h)
+
+
+@inlined
+def move(b, camera, j, state, row, h, rates, step):
+    """Move a lane from a state by one integration step, to rows from one on."""
+    a1, a2 = rates(b, j, START)
+    m1, m2 = rates(b, j, MIDDLE)
+    e1, e2 = rates(b, j, END)
+    n0, n1, n2, n3, n4 = step(b, camera, j, state, (a1, m1, e1), (a2, m2, e2), h)
+    b[row + j], b[row + BLOCK + j], b[row + 2 * BLOCK + j] = n0, n1, n2
+    b[row + 3 * BLOCK + j], b[row + 4 * BLOCK + j] = n3, n4
+    s0, s1, _, _, _ = state
     b[PATH + j] += math.sqrt((n0 - s0) * (n0 - s0) + (n1 - s1) * (n1 - s1))
 
 
@@ -122,18 +186,20 @@ def state_at(b, j, row):
 
 
 @inlined
-def advance(b, turning, tones, kinds, adversary, t, h, steps, first, euler, step, turn):
+def advance(b, camera, turning, tones, kinds, t, h, steps, first, inside, outside, euler):
     """Move all lanes by one control period; before the first, find the signals at its start.
 
-    Integration steps are ``step`` in the chart and ``turn`` outside it; Euler's know no middle.
+    ``inside`` and ``outside`` are integration steps in the chart and outside it; those of Euler
+    know signals at a step's start only.
     """
     part = h / steps
-    for i in range(-1 if first else 0, steps):
+    for i in range(-1 if first and not euler else 0, steps):
         begin = t + i * part
-        middle, end = begin + 0.5 * part, begin + part
-        if not euler:
-            fill_signals(b, tones, kinds, MIDDLE, middle)
-        fill_signals(b, tones, kinds, END, end)
+        if euler:
+            fill_signals(b, tones, kinds, START, begin)
+        else:
+            fill_signals(b, tones, kinds, MIDDLE, begin + 0.5 * part)
+            fill_signals(b, tones, kinds, END, begin + part)
         if i >= 0:
             if turning:  # the loop for lanes in the chart takes all along, and is then undone
                 for j in range(BLOCK):
@@ -141,11 +207,10 @@ def advance(b, turning, tones, kinds, adversary, t, h, steps, first, euler, step
                         b[KEPT0 + k * BLOCK + j] = b[S0 + k * BLOCK + j]
                     b[KEPT_PATH + j] = b[PATH + j]
             for j in range(BLOCK):
-                move(b, j, state_at(b, j, S0), adversary, part, step)
+                move(b, camera, j, state_at(b, j, S0), S0, part, input_rates, inside)
             if turning:
                 for j in range(BLOCK):
                     if b[CHART + j] == 0.0:
                         b[PATH + j] = b[KEPT_PATH + j]
-                        move(b, j, state_at(b, j, KEPT0), adversary, part, turn)
-        for j in range(SIGNALS * BLOCK):
-            b[START + j] = b[END + j]
+                        state = state_at(b, j, KEPT0)
+                        move(b, camera, j, state, S0, part, input_rates, outside)

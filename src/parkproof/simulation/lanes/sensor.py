@@ -28,6 +28,7 @@ from parkproof.simulation.lanes.buffer import (
     SEEN2,
     SEEN3,
     SEEN4,
+    STEP,
 )
 from parkproof.simulation.noise import standard_noise
 
@@ -35,16 +36,22 @@ inlined = register_jitable(forceinline=True, **OPTIONS)
 
 
 @inlined
-def see(b, ring, k, sensing, keys):
-    """Measure at sample k, and hand the controllers what is due."""
-    now, due = k % ring.shape[0], max(k - sensing.delay, 0) % ring.shape[0]
+def take(b, source, ring, now, k, sensing, keys):
+    """Measure five rows from one on at sample k, with noise, into a place of the ring."""
     for i in range(5):
         deviation = sensing.deviations[i]
         for j in range(BLOCK):
-            ring[now, i, j] = b[S0 + i * BLOCK + j]
+            ring[now, i, j] = b[source + i * BLOCK + j]
         if deviation > 0.0:
             for j in range(BLOCK):
                 ring[now, i, j] += deviation * standard_noise(keys[0, j], keys[1, j], k, i)
+
+
+@inlined
+def see(b, ring, k, sensing, keys):
+    """Measure at sample k, and hand the controllers what is due."""
+    now, due = k % ring.shape[0], max(k - sensing.delay, 0) % ring.shape[0]
+    take(b, S0, ring, now, k, sensing, keys)
     outside = 0
     for j in range(BLOCK):
         ring[now, 5, j] = b[CHART + j]
@@ -82,11 +89,17 @@ def seen_pose(b, j):
 
 
 @inlined
+def is_unseen(b, j):
+    """Whether a lane whose law cannot turn is outside the chart, or seen there."""
+    return not (abs(b[SEEN2 + j]) < 1e6 and (b[CHART + j] == 1.0 or b[STEP + j] < 1.0))
+
+
+@inlined
 def end_unseen(b):
-    """Mark lanes whose law cannot turn, and is told of a heading outside the chart."""
+    """Mark such lanes, and say how many."""
     found = 0
     for j in range(BLOCK):
-        if b[ENDING + j] == 0.0 and not abs(b[SEEN2 + j]) < 1e6:
+        if b[ENDING + j] == 0.0 and is_unseen(b, j):
             b[ENDING + j] = LEFT_CHART
             found += 1
     return found

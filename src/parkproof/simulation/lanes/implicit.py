@@ -1,0 +1,150 @@
+"""Inputs of a block of lanes in the implicit form.
+
+Most channels slide along their surface, and have nothing to seek; a group of lanes looks for the
+ends of its channels until the last of them is found, and none is sought further than alone.
+Compiled code: ``b`` is the buffer of `parkproof.simulation.lanes.buffer`, ``seen`` the first of the
+five rows that controllers are given.
+"""
+
+from numba.extending import register_jitable
+
+from parkproof.laws.inputs import implicit_answers, predicted, with_direct
+from parkproof.laws.robustify import (
+    CLOSE,
+    LOOKS,
+    begun,
+    implicit_excess,
+    implicit_surface,
+    narrowed,
+)
+from parkproof.simulation.compiler import OPTIONS
+from parkproof.simulation.lanes.buffer import (
+    AT,
+    AT_HIGH,
+    AT_LOW,
+    BLOCK,
+    CHANNELS,
+    DISTANCE,
+    GROUP,
+    HIGH,
+    LAST,
+    LOW,
+    NEW1,
+    NEW2,
+    OFFSET,
+    OPEN,
+    OUTER,
+    POWER,
+    SIDE,
+    SIZE,
+    STEP,
+    SURFACE,
+    WAY,
+)
+from parkproof.simulation.lanes.plant import state_at
+
+inlined = register_jitable(forceinline=True, **OPTIONS)
+
+
+@inlined
+def put(b, j, here, channel, u, phi, kappa):
+    """Write a channel's law and where its search begins into rows from one on."""
+    gain, power, offset, outer = channel
+    surface, side, distance = implicit_surface(u, power, offset, kappa * phi)
+    b[SIZE + j] = kappa * gain if here else b[SIZE + j]
+    b[POWER + j] = power if here else b[POWER + j]
+    b[OFFSET + j] = offset if here else b[OFFSET + j]
+    b[OUTER + j] = outer if here else b[OUTER + j]
+    b[SURFACE + j] = surface if here else b[SURFACE + j]
+    b[SIDE + j] = side if here else b[SIDE + j]
+    b[DISTANCE + j] = distance if here else b[DISTANCE + j]
+
+
+@inlined
+def prepare(b, step, count, firsts, seen, p, law_channels):
+    """Laws and surfaces of both channels of the lanes in a step."""
+    for i in range(count):
+        first = firsts[i] & (BLOCK - GROUP)  # so that the compiler sees that it is an index
+        for j in range(first, first + GROUP):
+            x0, x1, x2, u0, u1 = state_at(b, j, seen)
+            y0, y1, y2 = predicted(x0, x1, x2, u0, u1, p)
+            one, two = law_channels(step, b[WAY + j], y0, y1, y2, u0, p)
+            here = b[STEP + j] == step
+            put(b, j, here, one, u0, p.phi1, p.kappa1)
+            put(b, j + CHANNELS, here, two, u1, p.phi2, p.kappa2)
+
+
+@inlined
+def look(b, j):
+    """What is left over of a channel's equation where its search looks."""
+    return implicit_excess(
+        b[AT + j], b[SURFACE + j], b[SIDE + j], b[DISTANCE + j], b[SIZE + j], b[POWER + j],
+        b[OFFSET + j], b[OUTER + j],
+    )  # fmt: skip
+
+
+@inlined
+def note(b, j, here, search):
+    """Keep a search that has got further."""
+    low, high, at_low, at_high, last, at = search
+    b[LOW + j] = low if here else b[LOW + j]
+    b[HIGH + j] = high if here else b[HIGH + j]
+    b[AT_LOW + j] = at_low if here else b[AT_LOW + j]
+    b[AT_HIGH + j] = at_high if here else b[AT_HIGH + j]
+    b[LAST + j] = last if here else b[LAST + j]
+    b[AT + j] = at if here else b[AT + j]
+
+
+@inlined
+def solve(b):
+    """Find the ends of both channels of all lanes."""
+    for channel in range(2):
+        for first in range(channel * CHANNELS, channel * CHANNELS + BLOCK, GROUP):
+            left = 0
+            for j in range(first, first + GROUP):
+                distance = b[DISTANCE + j]
+                b[AT + j] = distance
+                b[OPEN + j] = 1.0 if distance > 0.0 and b[SIZE + j] > 0.0 else 0.0
+                left += 1 if b[OPEN + j] > 0.0 else 0
+            if left > 0:
+                for j in range(first, first + GROUP):
+                    search = begun(b[DISTANCE + j], look(b, j), b[OUTER + j])
+                    note(b, j, b[OPEN + j] > 0.0, search)
+            looks = 0
+            while left > 0 and looks < LOOKS:
+                left = 0
+                for j in range(first, first + GROUP):
+                    excess = look(b, j)
+                    here = b[OPEN + j] > 0.0
+                    search = narrowed(
+                        b[LOW + j], b[HIGH + j], b[AT_LOW + j], b[AT_HIGH + j], b[LAST + j],
+                        b[AT + j], excess,
+                    )  # fmt: skip
+                    note(b, j, here, search)
+                    open_still = here and abs(excess) > CLOSE * b[DISTANCE + j]
+                    b[OPEN + j] = 1.0 if open_still else 0.0
+                    left += 1 if open_still else 0
+                looks += 1
+
+
+@inlined
+def end_of(b, j):
+    """Where a channel's last state shall end."""
+    return b[SURFACE + j] + b[SIDE + j] * b[AT + j]
+
+
+@inlined
+def answer(b, step, count, firsts, seen, p, _law_channels, law_direct):
+    """Inputs of the lanes in a step."""
+    for i in range(count):
+        first = firsts[i] & (BLOCK - GROUP)
+        for j in range(first, first + GROUP):
+            x0, x1, x2, u0, u1 = state_at(b, j, seen)
+            end1, end2 = end_of(b, j), end_of(b, j + CHANNELS)
+            size1, size2 = b[SIZE + j], b[SIZE + CHANNELS + j]
+            tau1, tau2 = implicit_answers(end1, size1, end2, size2, u0, u1, p)
+            _, y1, y2 = predicted(x0, x1, x2, u0, u1, p)
+            tau2 = with_direct(tau2, law_direct(step, b[WAY + j], y1, y2, u1, p), p)
+            here = b[STEP + j] == step
+            b[NEW1 + j] = tau1 if here else b[NEW1 + j]
+            b[NEW2 + j] = tau2 if here else b[NEW2 + j]
