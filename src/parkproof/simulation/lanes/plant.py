@@ -11,7 +11,14 @@ from parkproof.model.chained import body_inputs, chained_inputs, extension_rate
 from parkproof.model.signals import tone_value
 from parkproof.scalar import sign
 from parkproof.simulation.compiler import OPTIONS
-from parkproof.simulation.lanes.buffer import (
+from parkproof.simulation.steps import (
+    chained_euler_step,
+    chained_step,
+    turning_euler_step,
+    turning_step,
+)
+
+from .buffer import (
     ALPHA1,
     ALPHA2,
     B2,
@@ -40,12 +47,6 @@ from parkproof.simulation.lanes.buffer import (
     STEP,
     TAU1,
     TAU2,
-)
-from parkproof.simulation.steps import (
-    chained_euler_step,
-    chained_step,
-    turning_euler_step,
-    turning_step,
 )
 
 inlined = register_jitable(forceinline=True, **OPTIONS)
