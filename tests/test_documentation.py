@@ -282,6 +282,10 @@ def documented_parameters(doc: str) -> set[str]:
     return names
 
 
+COMPILED = "parkproof.simulation.lanes."
+"""Parts of kernels, which compiled code calls; their parameters are those of the buffer module."""
+
+
 def parameters_of(thing: object) -> set[str]:
     """Parameters that a caller gives."""
     try:
