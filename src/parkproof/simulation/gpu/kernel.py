@@ -28,8 +28,9 @@ def device_kernel(
     -------
     callable
         ``kernel[blocks, threads](p, clock, limits, sensing, state, in_chart, means, tones, kinds,
-        adversary, keys, cameras, ring, out)``: arrays whose last axis is the trial; ``means`` are
-        those of all seven signals, and ``ring`` has room for the measurements under way.
+        adversary, keys, cameras, ring, out)``: arrays whose last axis is the trial; ``means`` and
+        ``tones`` are those of all seven signals, the tones' numbers one after the other, and
+        ``ring`` has room for the measurements under way.
 
     Examples
     --------
@@ -68,9 +69,8 @@ def device_kernel(
                 b[mean + row] = means[row % signals, i]
             here = slice(i, i + 1)
             carry_out(
-                p, clock, limits, sensing, b, ring[:, :, here], counts, groups,
-                tones[:, :, :, here], kinds, adversary[:, here], keys[:, here], cameras[:, here],
-                out[:, here],
+                p, clock, limits, sensing, b, ring[:, :, here], counts, groups, tones[:, i], kinds,
+                adversary[:, i], keys[:, here], cameras[:, here], out[:, here],
             )  # fmt: skip
 
     return kernel

@@ -93,8 +93,8 @@ def _launch(kernel: Any, shared: Shared, trials: Trials) -> Floats:
     n, (_, _, _, sensing) = len(trials), shared
     tones = all_tones(trials.tones, trials.scale_tones)
     arrays = (
-        trials.state, trials.in_chart, np.concatenate([trials.mean, trials.scale_mean]), tones,
-        kinds_of(tones), trials.adversary, trials.keys, trials.camera,
+        trials.state, trials.in_chart, np.concatenate([trials.mean, trials.scale_mean]),
+        tones.reshape(-1, n), kinds_of(tones), trials.adversary, trials.keys, trials.camera,
     )  # fmt: skip
     given = [cuda.to_device(np.ascontiguousarray(array)) for array in arrays]
     ring = cuda.device_array((1 if sensing.exact else sensing.delay + 1, 6, n), np.float64)

@@ -55,6 +55,7 @@ from .buffer import (
 )
 from .first import all_tones, first_buffer, kinds_of
 from .kept import keep
+from .memory import array_of, buffer_of, parameters_in
 from .metrics import (
     end_beyond_limits,
     end_code,
@@ -63,7 +64,6 @@ from .metrics import (
     measure,
     note_step,
 )
-from .parameters import array_of, parameters_in
 from .parts import parts_of
 from .plant import push, state_at
 from .sensor import end_unseen, is_misled, is_unseen
@@ -152,12 +152,12 @@ def _compiled(
 
     @numba.njit(nogil=True, **OPTIONS)
     def kernel(
-        numbers, clock, limits, sensing, b, ring, counts, groups, tones, kinds, adversary, keys,
+        numbers, clock, limits, sensing, rows, ring, counts, groups, waves, kinds, most, keys,
         cameras, out,
     ):  # fmt: skip
         carry_out(
-            parameters_in(numbers), clock, limits, sensing, b, ring, counts, groups, tones, kinds,
-            adversary, keys, cameras, out,
+            parameters_in(numbers), clock, limits, sensing, buffer_of(rows), ring, counts, groups,
+            buffer_of(waves), kinds, buffer_of(most), keys, cameras, out,
         )  # fmt: skip
 
     name = f"{law_name} {implicit=} {exact=} {robot} {camera=} {euler=}"
@@ -265,7 +265,7 @@ def trials_of_a_block(
         limited = min(limits.tau1, limits.tau2, limits.speed, limits.turn_rate) < math.inf
         opposed = False
         for j in range(BLOCK):
-            opposed = opposed or adversary[0, j] > 0.0 or adversary[1, j] > 0.0
+            opposed = opposed or max(adversary[j], adversary[BLOCK + j]) > 0.0
         running = BLOCK
         begin(b, cameras)
         for k in range(clock.samples + 1):

@@ -103,9 +103,10 @@ def _chained(camera: bool, exact: bool, euler: bool) -> Parts:
     find_gains = image.find_gains if camera else nothing
     inside = image.image_step_in_chart if camera else plant.step_in_chart
     outside = image.image_step_outside if camera else plant.step_outside
+    go = plant.advancing(plant.signals_of_step, inside, outside)
     if euler:
-        inside, outside = plant.euler_in_chart, plant.euler_outside
-    see, advance = sensor.see, plant.advance
+        go = plant.advancing(plant.signals_at_start, plant.euler_in_chart, plant.euler_outside)
+    see = sensor.see
 
     @inlined
     def look_exactly(b, camera, _ring, _k, _sensing, _keys):
@@ -115,12 +116,6 @@ def _chained(camera: bool, exact: bool, euler: bool) -> Parts:
     def look(b, camera, ring, k, sensing, keys):
         find_gains(b, camera)
         see(b, ring, k, sensing, keys)
-
-    @inlined
-    def go(b, camera, turning, tones, kinds, t, h, steps, first):
-        advance(
-            b, camera, turning, tones, kinds, t, h, steps, first, inside, outside, euler
-        )  # fmt: skip
 
     return Parts(
         begin=nothing,

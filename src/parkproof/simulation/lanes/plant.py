@@ -53,37 +53,58 @@ inlined = register_jitable(forceinline=True, **OPTIONS)
 
 
 @inlined
-def tone_at(tones, i, m, j, squares, t):
+def tone_at(tones, first, j, squares, t):
     """Value of a lane's tone; where no lane has square waves, that is known before the loop."""
-    square = tones[i, m, 3, j] if squares else 0.0
-    return tone_value(tones[i, m, 0, j], tones[i, m, 1, j], tones[i, m, 2, j], square, t)
+    square = tones[first + 3 * BLOCK + j] if squares else 0.0
+    omega, phase = tones[first + BLOCK + j], tones[first + 2 * BLOCK + j]
+    return tone_value(tones[first + j], omega, phase, square, t)
+
+
+def _filling(rows):
+    """Make the function that writes the signals that vary into rows of a time.
+
+    Rows of constant signals are left alone. A step's end is the next one's start: where the rows
+    are those for the end, what they held becomes the start.
+    """
+
+    @inlined
+    def fill(b, tones, kinds, t):
+        for i in range(SIGNALS):
+            row = i * BLOCK
+            for m in range(kinds.shape[1]):
+                kind, tone = kinds[i, m], (i * kinds.shape[1] + m) * 4 * BLOCK
+                if kind == SINES and m == 0:
+                    for j in range(BLOCK):
+                        if rows == END:
+                            b[START + row + j] = b[END + row + j]
+                        b[rows + row + j] = b[MEAN + row + j] + tone_at(tones, tone, j, False, t)
+                elif kind == SINES:
+                    for j in range(BLOCK):
+                        b[rows + row + j] += tone_at(tones, tone, j, False, t)
+                elif kind == SQUARES:
+                    for j in range(BLOCK):
+                        if rows == END and m == 0:
+                            b[START + row + j] = b[END + row + j]
+                        before = b[MEAN + row + j] if m == 0 else b[rows + row + j]
+                        b[rows + row + j] = before + tone_at(tones, tone, j, True, t)
+
+    return fill
+
+
+fill_start, fill_middle, fill_end = _filling(START), _filling(MIDDLE), _filling(END)
 
 
 @inlined
-def fill_signals(b, tones, kinds, rows, t):
-    """Write the signals that vary at a time into their rows; those of constant ones are right.
+def signals_of_step(b, tones, kinds, begin, h):
+    """Find signals at a step's middle and end; its start is the end of the one before."""
+    fill_middle(b, tones, kinds, begin + 0.5 * h)
+    fill_end(b, tones, kinds, begin + h)
 
-    A step's end is the next one's start: where the rows are those for the end, what they held
-    becomes the start.
-    """
-    for i in range(SIGNALS):
-        row = i * BLOCK
-        for m in range(kinds.shape[1]):
-            kind = kinds[i, m]
-            if kind == SINES and m == 0:
-                for j in range(BLOCK):
-                    if rows == END:
-                        b[START + row + j] = b[END + row + j]
-                    b[rows + row + j] = b[MEAN + row + j] + tone_at(tones, i, 0, j, False, t)
-            elif kind == SINES:
-                for j in range(BLOCK):
-                    b[rows + row + j] += tone_at(tones, i, m, j, False, t)
-            elif kind == SQUARES:
-                for j in range(BLOCK):
-                    if rows == END and m == 0:
-                        b[START + row + j] = b[END + row + j]
-                    before = b[MEAN + row + j] if m == 0 else b[rows + row + j]
-                    b[rows + row + j] = before + tone_at(tones, i, m, j, True, t)
+
+@inlined
+def signals_at_start(b, tones, kinds, begin, _h):
+    """Find signals at a step's start, which is all that Euler's method asks for."""
+    fill_start(b, tones, kinds, begin)
 
 
 @inlined
@@ -103,8 +124,8 @@ def change_coordinates(b, j):
 def push(b, adversary):
     """Disturbances of adversaries, which oppose the inputs; all other lanes keep theirs, 0."""
     for j in range(BLOCK):
-        b[PUSH1 + j] = -adversary[0, j] * sign(b[TAU1 + j])
-        b[PUSH2 + j] = -adversary[1, j] * sign(b[TAU2 + j])
+        b[PUSH1 + j] = -adversary[j] * sign(b[TAU1 + j])
+        b[PUSH2 + j] = -adversary[BLOCK + j] * sign(b[TAU2 + j])
 
 
 @inlined
@@ -186,32 +207,31 @@ def state_at(b, j, row):
     )  # fmt: skip
 
 
-@inlined
-def advance(b, camera, turning, tones, kinds, t, h, steps, first, inside, outside, euler):
-    """Move all lanes by one control period; before the first, find the signals at its start.
+def advancing(find_signals, inside, outside):
+    """Make the function that moves all lanes by one control period.
 
-    ``inside`` and ``outside`` are integration steps in the chart and outside it; those of Euler
-    know signals at a step's start only.
+    Before the first, it finds the signals at its start. ``find_signals`` is one of those above;
+    ``inside`` and ``outside`` are integration steps in the chart and outside it.
     """
-    part = h / steps
-    for i in range(-1 if first and not euler else 0, steps):
-        begin = t + i * part
-        if euler:
-            fill_signals(b, tones, kinds, START, begin)
-        else:
-            fill_signals(b, tones, kinds, MIDDLE, begin + 0.5 * part)
-            fill_signals(b, tones, kinds, END, begin + part)
-        if i >= 0:
-            if turning:  # the loop for lanes in the chart takes all along, and is then undone
+
+    @inlined
+    def advance(b, camera, turning, tones, kinds, t, h, steps, first):
+        part = h / steps
+        for i in range(-1 if first else 0, steps):
+            find_signals(b, tones, kinds, t + i * part, part)
+            if i >= 0:
+                if turning:  # the loop for lanes in the chart takes all along, and is then undone
+                    for j in range(BLOCK):
+                        for k in range(5):
+                            b[KEPT0 + k * BLOCK + j] = b[S0 + k * BLOCK + j]
+                        b[KEPT_PATH + j] = b[PATH + j]
                 for j in range(BLOCK):
-                    for k in range(5):
-                        b[KEPT0 + k * BLOCK + j] = b[S0 + k * BLOCK + j]
-                    b[KEPT_PATH + j] = b[PATH + j]
-            for j in range(BLOCK):
-                move(b, camera, j, state_at(b, j, S0), S0, part, input_rates, inside)
-            if turning:
-                for j in range(BLOCK):
-                    if b[CHART + j] == 0.0:
-                        b[PATH + j] = b[KEPT_PATH + j]
-                        state = state_at(b, j, KEPT0)
-                        move(b, camera, j, state, S0, part, input_rates, outside)
+                    move(b, camera, j, state_at(b, j, S0), S0, part, input_rates, inside)
+                if turning:
+                    for j in range(BLOCK):
+                        if b[CHART + j] == 0.0:
+                            b[PATH + j] = b[KEPT_PATH + j]
+                            state = state_at(b, j, KEPT0)
+                            move(b, camera, j, state, S0, part, input_rates, outside)
+
+    return advance

@@ -23,13 +23,11 @@ from .buffer import (
     BETA,
     BLOCK,
     CHART,
-    END,
     KEPT_CHART,
     KEPT_OMEGA,
     KEPT_U0,
     KEPT_U1,
     KEPT_V,
-    MIDDLE,
     OWN0,
     OWN1,
     OWN2,
@@ -62,8 +60,8 @@ from .buffer import (
 from .image import homography_of
 from .plant import (
     disturbed,
-    fill_signals,
     move,
+    signals_of_step,
     state_at,
 )
 from .sensor import take
@@ -235,9 +233,7 @@ def advance_robots(b, camera, tones, kinds, t, h, steps, first, rates, step):
     """Move all robots by one control period; before the first, find the signals at its start."""
     part = h / steps
     for i in range(-1 if first else 0, steps):
-        begin = t + i * part
-        fill_signals(b, tones, kinds, MIDDLE, begin + 0.5 * part)
-        fill_signals(b, tones, kinds, END, begin + part)
+        signals_of_step(b, tones, kinds, t + i * part, part)
         if i >= 0:
             for j in range(BLOCK):
                 move(b, camera, j, state_at(b, j, OWN0), OWN0, part, rates, step)

@@ -1,0 +1,166 @@
+"""Memory as compiled code sees it: a buffer of numbers, and the numbers of a law by name.
+
+Each is one address and nothing else. An array of numba is seven arguments of every function that it
+is handed to, and each index asks first whether it counts from the end; the numbers of a law, as a
+tuple, would be an argument each. Kernels compiled with those took three times as long to compile.
+"""
+
+import operator
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, infer_global, signature
+from numba.extending import (
+    infer_getattr,
+    intrinsic,
+    lower_builtin,
+    lower_getattr_generic,
+    models,
+    register_model,
+)
+from numpy.typing import NDArray
+
+from parkproof.laws.parameters import LawParameters
+
+DOUBLE, WHOLE = ir.DoubleType(), ir.IntType(64)
+
+
+class BufferType(types.Type):
+    """Type of a buffer in compiled code: any whole number indexes it, and none is checked."""
+
+    def __init__(self) -> None:
+        super().__init__(name="Buffer")
+
+
+class ParametersType(types.Type):
+    """Type of a law's parameters in compiled code."""
+
+    def __init__(self) -> None:
+        super().__init__(name="LawParameters")
+
+
+BUFFER, PARAMETERS = BufferType(), ParametersType()
+register_model(BufferType)(models.OpaqueModel)
+register_model(ParametersType)(models.OpaqueModel)
+
+
+# -------------------------------------------------------------------------------------- buffers
+
+
+@infer_global(operator.getitem)
+class Reading(AbstractTemplate):
+    """A buffer gives a number."""
+
+    def generic(self, args: Any, _kws: Any) -> Any:
+        """Signature."""
+        buffer, index = args
+        if isinstance(buffer, BufferType) and isinstance(index, types.Integer):
+            return signature(types.float64, buffer, types.int64)
+        return None
+
+
+@infer_global(operator.setitem)
+class Writing(AbstractTemplate):
+    """A buffer takes a number."""
+
+    def generic(self, args: Any, _kws: Any) -> Any:
+        """Signature."""
+        buffer, index, _ = args
+        if isinstance(buffer, BufferType) and isinstance(index, types.Integer):
+            return signature(types.none, buffer, types.int64, types.float64)
+        return None
+
+
+def _place(builder: Any, buffer: Any, index: Any) -> Any:
+    """Address of a number."""
+    numbers = builder.bitcast(buffer, DOUBLE.as_pointer())
+    return builder.gep(numbers, [index], inbounds=True)
+
+
+@lower_builtin(operator.getitem, BufferType, types.Integer)
+def read(_context: Any, builder: Any, _signature: Any, args: Any) -> Any:
+    """Load a number of a buffer."""
+    return builder.load(_place(builder, *args))
+
+
+@lower_builtin(operator.setitem, BufferType, types.Integer, types.Float)
+def write(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
+    """Store a number in a buffer."""
+    buffer, index, number = args
+    builder.store(number, _place(builder, buffer, index))
+    return context.get_dummy_value()
+
+
+@intrinsic
+def buffer_of(_context: Any, array: Any) -> Any:
+    """Take a contiguous array of doubles for a buffer."""
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        numbers = context.make_array(signature.args[0])(context, builder, args[0])
+        return builder.bitcast(numbers.data, context.get_value_type(BUFFER))
+
+    return BUFFER(array), generate
+
+
+# ------------------------------------------------------------------------------- parameters
+
+
+@infer_getattr
+class Fields(AttributeTemplate):
+    """Every field of `LawParameters` is a number."""
+
+    key = ParametersType
+
+    def generic_resolve(self, _type: Any, name: str) -> Any:
+        """Type of a field."""
+        return types.float64 if name in LawParameters._fields else None
+
+
+@lower_getattr_generic(ParametersType)
+def read_field(_context: Any, builder: Any, _type: Any, value: Any, name: str) -> Any:
+    """Load a field."""
+    return builder.load(_place(builder, value, WHOLE(LawParameters._fields.index(name))))
+
+
+@intrinsic
+def parameters_in(_context: Any, numbers: Any) -> Any:
+    """Copy a law's parameters from an array to the stack, from where they go into registers.
+
+    Read from the array, the compiler would have to expect that writing to a buffer changes them,
+    and would not turn loops into vector instructions.
+    """
+
+    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        array = context.make_array(signature.args[0])(context, builder, args[0])
+        copy = cgutils.alloca_once(builder, DOUBLE, size=WHOLE(len(LawParameters._fields)))
+        for i in range(len(LawParameters._fields)):
+            number = builder.load(builder.gep(array.data, [WHOLE(i)]))
+            builder.store(number, builder.gep(copy, [WHOLE(i)]))
+        return builder.bitcast(copy, context.get_value_type(PARAMETERS))
+
+    return PARAMETERS(numbers), generate
+
+
+def array_of(p: LawParameters) -> NDArray[np.float64]:
+    """Give the array that `parameters_in` takes.
+
+    Parameters
+    ----------
+    p : LawParameters
+        Gains and bounds.
+
+    Returns
+    -------
+    array
+        Its fields.
+
+    Examples
+    --------
+    >>> from parkproof.laws import default_parameters
+    >>> array_of(default_parameters()).size == len(LawParameters._fields)
+    True
+    """
+    return np.array(p)
