@@ -307,7 +307,8 @@ def test_everything_public_is_documented(name: str) -> None:
     for member, thing in public_members(module):
         doc = inspect.getdoc(thing)
         assert doc, member
-        if inspect.isfunction(thing) and "." not in member:
+        compiled = name.startswith(COMPILED)
+        if inspect.isfunction(thing) and "." not in member and not compiled:
             assert parameters_of(thing) <= documented_parameters(doc), member
 
 
