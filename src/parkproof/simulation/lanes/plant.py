@@ -69,6 +69,7 @@ def _filling(rows):
 
     @inlined
     def fill(b, tones, kinds, t):
+        """Write the signals that vary into their rows of a time."""
         for i in range(SIGNALS):
             row = i * BLOCK
             for m in range(kinds.shape[1]):
