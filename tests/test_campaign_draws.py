@@ -170,6 +170,38 @@ def test_every_number_of_start_and_truth_can_be_drawn() -> None:
         )
 
 
+CAMERA = {
+    "kind": "pinhole", "height": 3.0, "focal_length": 300.0, "tilt_deg": 10.0, "unit": 90.0,
+    "goal": [0.2, 0.1, 0.2],
+}  # fmt: skip
+DRAWN_CAMERAS = {
+    "camera.height": uniform(2.8, 3.2),
+    "camera.roll_deg": uniform(-180.0, 180.0),
+    "camera.goal[2]": uniform(-0.5, 0.5),
+}
+
+
+def test_a_camera_s_numbers_can_be_drawn() -> None:
+    known = {"alpha": [0.3, 2.5]}
+    for start in ({"floor_pose": [-0.5, 0.2, 0.1]}, {"pose": [-0.8, 0.2, 0.1]}):
+        ((key, _),) = start.items()
+        drawn = DRAWN_CAMERAS | {f"start.{key}[1]": uniform(-0.2, 0.2)}
+        prepared = made(drawn, start=start, truth={}, bounds=known, camera=CAMERA)
+        assert_same_as_scenarios(prepared)
+        assert len(np.unique(arrays_of(prepared, 0, 8).camera[0])) == 8
+
+
+def test_a_camera_that_does_not_see_its_start_is_refused() -> None:
+    with pytest.raises(InputError, match=r"outside the picture|horizon"):
+        made(
+            DRAWN_CAMERAS | {"camera.height": uniform(0.3, 3.2)},
+            start={"pose": [-4.0, 0.2, 0.1]},
+            truth={},
+            bounds={"alpha": [0.01, 50.0]},
+            camera=CAMERA,
+        )
+
+
 def test_each_trial_has_noise_of_its_own() -> None:
     prepared = made({"start.pose[0]": uniform(-2, -1)}, run={"noise": 0.001, "seed": 40})
     assert prepared.scenario_of(33).run.seed == 73
@@ -285,13 +317,6 @@ def test_distributions_that_cannot_be_are_refused(name: str) -> None:
     message = refused(distributions)
     assert words in message
     assert message.startswith("c: ")
-
-
-def test_robots_and_cameras_that_lanes_do_not_have_are_refused() -> None:
-    data = data_of({POSE: uniform(-2, -1)}, robot={"kind": "velocity"})
-    data |= {"bounds": {"alpha": [0.5, 1.5]}, "truth": {}}
-    with pytest.raises(InputError, match='kind = "velocity"'):
-        prepare(campaign_from_dict(data, where="c"), where="c")
 
 
 def test_truth_outside_the_bounds_is_drawn_where_it_is_declared() -> None:

@@ -3,10 +3,12 @@
 from collections.abc import Mapping, Sequence
 from typing import Any, cast
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from parkproof.campaign.waves import Parametric, means_and_tones
+from parkproof.errors import InputError
 from parkproof.model.signals import Adversary, Signal, Switched
 from parkproof.model.unicycle import wrap_angle
 from parkproof.scenario import Scenario
@@ -29,6 +31,9 @@ _SIGNALS: dict[Place, tuple[str, int]] = {
 
 _STARTS = {"state": 0, "pose": 0, "velocity": 3}
 """Row of the first number of each key of a start."""
+
+_SIZES = ("image_size",)
+"""Keys of a camera that are no numbers to draw, but whole pixels."""
 
 
 def signal_at(scenario: Scenario, place: Place) -> float | Signal:
@@ -69,7 +74,8 @@ def can_differ(scenario: Scenario, place: Place) -> bool:
     Returns
     -------
     bool
-        True for numbers of the start and of the truth's signals, and for the seed of the run.
+        True for numbers of the start, the camera and the truth's signals, and for the seed of the
+        run.
 
     Examples
     --------
@@ -80,8 +86,10 @@ def can_differ(scenario: Scenario, place: Place) -> bool:
     """
     if place == ("run", "seed"):
         return True
-    if len(place) == 3 and place[0] == "start" and place[1] in _STARTS:
-        return getattr(scenario.start, place[1]) is not None
+    if place[0] == "start":
+        return len(place) == 3 and getattr(scenario.start, str(place[1])) is not None
+    if place[0] == "camera":
+        return len(place) > 1 and place[1] not in (*_SIZES, "kind") and scenario.camera is not None
     if place in _SIGNALS:
         return isinstance(signal_at(scenario, place), float)
     whole = place[:-1]
@@ -123,8 +131,11 @@ def trials_from(scenario: Scenario, drawn: Drawn, numbers: Sequence[int]) -> Tri
         name: np.repeat(array, count, axis=-1)
         for name, array in zip(Trials.__dataclass_fields__, template, strict=True)
     }
+    seen = _through_cameras(scenario, drawn, numbers)
+    if seen is not None:
+        arrays["state"], arrays["camera"] = seen.state, seen.camera
     for place, values in drawn.items():
-        if place[0] == "start":
+        if seen is None and place[0] == "start":
             row = _STARTS[str(place[1])] + int(place[2])
             heading = place[1:] == ("pose", 2)
             arrays["state"][row] = [wrap_angle(float(v)) for v in values] if heading else values
@@ -142,6 +153,44 @@ def trials_from(scenario: Scenario, drawn: Drawn, numbers: Sequence[int]) -> Tri
     if seeds is not None:
         arrays["keys"] = np.array([keys_of(seed) for seed in seeds], dtype=np.int64).T
     return Trials(**arrays)
+
+
+def _through_cameras(scenario: Scenario, drawn: Drawn, numbers: Sequence[int]) -> Trials | None:
+    """Starts as each trial's camera sees them, and the cameras; None where none is drawn.
+
+    These are scenarios one by one: what a camera allows depends on all of its numbers, and a start
+    on the floor is elsewhere under each.
+    """
+    places = [place for place in drawn if place[0] in {"camera", "start"}]
+    if not any(place[0] == "camera" or place[1] == "floor_pose" for place in places):
+        return None
+    trials = []
+    for i, number in enumerate(numbers):
+        values = {place: float(drawn[place][i]) for place in places}
+        try:
+            trials.append(
+                msgspec.structs.replace(
+                    scenario,
+                    start=_with(scenario.start, "start", values),
+                    camera=_with(scenario.camera, "camera", values),
+                )
+            )
+        except InputError as error:
+            raise InputError(f"trial {number}: {error}") from error
+    return trials_of(trials)
+
+
+def _with(structure: Any, name: str, values: Mapping[Place, float]) -> Any:
+    """A part of a scenario with some of its numbers replaced."""
+    changes: dict[str, Any] = {}
+    for (whole, key, *index), value in values.items():
+        if whole == name and index:
+            numbers = list(changes.get(str(key), getattr(structure, str(key))))
+            numbers[int(index[0])] = value
+            changes[str(key)] = tuple(numbers)
+        elif whole == name:
+            changes[str(key)] = value
+    return msgspec.structs.replace(structure, **changes)
 
 
 def _seeds(scenario: Scenario, drawn: Drawn, numbers: Sequence[int]) -> list[int] | None:
