@@ -69,6 +69,7 @@ def _filling(rows):
 
     @inlined
     def fill(b, tones, kinds, t):
+        """Fill the rows with all signals at a time."""
         for i in range(SIGNALS):
             row = i * BLOCK
             for m in range(kinds.shape[1]):
