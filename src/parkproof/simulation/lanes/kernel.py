@@ -278,9 +278,8 @@ def _compiled(
             if opposed:
                 push(b, adversary)
             act(b, clock.period)
-            go(
-                b, cameras, counts[0] > 0, tones, kinds, t, clock.period, clock.plant_steps, k == 0
-            )  # fmt: skip
+            step = (k + 1) * clock.period - t
+            go(b, cameras, counts[0] > 0, tones, kinds, t, step, clock.plant_steps, k == 0)
 
     name = f"{law_name} {implicit=} {exact=} {robot} {camera=} {euler=}"
     return keep(kernel, name)
