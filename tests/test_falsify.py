@@ -5,6 +5,7 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -26,7 +27,7 @@ from parkproof.proof import find_links
 from parkproof.proof.checker.certificate import digest_of
 from parkproof.proof.whole_run import certify
 from parkproof.scenario import RunSettings, Scenario, Start
-from parkproof.scenario_file import read_scenario, to_toml
+from parkproof.scenario_file import read_scenario, template, to_toml
 from parkproof.simulation import ensemble
 from parkproof.simulation.outcome import Outcome
 from parkproof.simulation.run import simulate
@@ -162,6 +163,26 @@ def test_all_that_is_tried_lies_within_bounds_and_box():
     assert kinds == {"Constant", "Sine", "Square", "Switched", "Adversary"}
 
 
+@pytest.mark.parametrize(
+    ("kind", "free"), [("tilted-camera", set()), ("velocity-robot", {"alpha"})]
+)
+def test_only_what_a_scenario_leaves_open_is_searched(here, kind, free):
+    (here / "scenario.toml").write_text(template(kind))
+    given = read_scenario(here / "scenario.toml")
+    space = space_of_scenario(given, box=(0.05, 0.05))
+    assert {key for key, _, _ in space.signals} == free
+    tried = space.scenario_at(np.full(space.dimension, 0.9))
+    assert tried.start_pose[:2] == pytest.approx([x + 0.05 for x in given.start_pose[:2]])
+    assert tried.camera == given.camera
+    alone = msgspec.structs.replace(given, bounds=Bounds(alpha=(0.4, 1.9), b2=(0.9, 1.1)))
+    if given.camera is None:  # b2 belongs to robots of the paper
+        space = space_of_scenario(alone)
+        assert space.scenario_at(np.full(space.dimension, 0.9)).start == given.start
+    else:
+        with pytest.raises(InputError, match="nothing to search"):
+            space_of_scenario(alone)
+
+
 def test_a_limit_is_a_claim_and_a_view_too():
     limits = Limits(tau=(20.0, 30.0), speed=3.0, view=(-2.0, 1.0, -0.5, 0.8))
     bounds = {c.name: c.bound for c in claims_of(scenario(limits=limits)) if c.bound < math.inf}
@@ -222,7 +243,6 @@ BAD = [
         'no claim is called "speed"; choose of: total_time',
     ),
     (["certain.toml"], "nothing to search: [bounds] leave the truth no choice"),
-    (["torque.toml"], 'robots of kind "chained" only'),
     (["broken.json"], "broken.json: not JSON"),
     (["certificate.json", "--box", "0.1"], "--box goes with a scenario"),
     (["certificate.json", "--set", "bounds.disturbance=1"], "only keys of run can be set"),
@@ -236,10 +256,6 @@ BAD = [
 def test_bad_input_is_said_in_one_line(certificate, here, capsys, words, said):
     (here / "scenario.toml").write_text(to_toml(scenario()))
     (here / "certain.toml").write_text(to_toml(scenario(bounds=Bounds())))
-    torque = '[robot]\nkind = "torque"'
-    (here / "torque.toml").write_text(
-        to_toml(scenario()).replace('[robot]\nkind = "chained"', torque)
-    )
     (here / "broken.json").write_text("{")
     written(certificate, here / "certificate.json")
     assert main(["falsify", *words]) == 2

@@ -135,7 +135,7 @@ def test_a_run_with_latency_is_a_loop_that_hands_on_old_measurements(
         assert past[-1].x0 == run.trajectory["x0"][k]
         command = controller.step(past[max(0, k - late)]._replace(t=0.01 * k))
         assert command.tau2 == run.trajectory["tau2"][k]
-        plant.advance(command, 0.01 * k, 0.01, 10)
+        plant.advance(command, 0.01 * k, 0.01 * (k + 1) - 0.01 * k, 10)
     assert {0, 1} <= set(run.trajectory["step"].tolist())
 
 

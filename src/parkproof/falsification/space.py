@@ -93,7 +93,8 @@ class SearchSpace:
             four = rest[NUMBERS * i : NUMBERS * (i + 1)]
             kinds = AGAINST if key == "disturbance" else KINDS
             chosen[key, channel] = _signal(ends, kinds, four, self.horizon)
-        start = start_of(self.base.start, place)
+        # a start on the floor stays as it is written where it is not searched
+        start = start_of(self.base.start, place) if self.free else self.base.start
         truth = _replaced(self.base.truth, chosen)
         return msgspec.structs.replace(self.base, start=start, truth=truth)
 
@@ -143,9 +144,9 @@ def start_of(start: Start, place: Sequence[float]) -> Start:
     Parameters
     ----------
     start : Start
-        A state, or a pose with or without velocity.
+        A state, or a pose, of the image or of the floor, with or without velocity.
     place : sequence of 5 floats
-        Its numbers.
+        Its numbers; those of a pose are of the image.
 
     Returns
     -------
@@ -166,15 +167,18 @@ def start_of(start: Start, place: Sequence[float]) -> Start:
 def _ranges(scenario: Scenario) -> tuple[tuple[str, int | None, Interval], ...]:
     """What may vary of a truth: as far as the bounds go, and the truth itself if it is outside."""
     known, truth = scenario.bounds, scenario.truth
+    papers = scenario.camera is None
     known_ranges: list[tuple[str, int | None, Interval, Gain]] = []
     for i in range(2):
         phi = known.disturbance_of(i)
+        if papers:  # another camera is what it is
+            known_ranges.append(("alpha", i, known.alpha_of(i), truth.alpha[i]))
         known_ranges += [
-            ("alpha", i, known.alpha_of(i), truth.alpha[i]),
             ("gamma", i, known.gamma_of(i), truth.gamma[i]),
             ("disturbance", i, (0.0 - phi, phi), truth.disturbance[i]),
         ]
-    known_ranges.append(("b2", None, known.b2, truth.b2))
+    if papers and scenario.robot.kind == "chained":
+        known_ranges.append(("b2", None, known.b2, truth.b2))
     ranges = []
     for key, channel, within, given in known_ranges:
         low, high = within
@@ -227,7 +231,7 @@ def space_of_scenario(scenario: Scenario, *, box: Sequence[float] = ()) -> Searc
     if space.dimension == 0:
         raise InputError(
             "nothing to search: [bounds] leave the truth no choice, and there is but one start; "
-            "widen the bounds, for example alpha = [0.5, 1.5], or give a box of starts"
+            "give a box of starts, as in --box 0.5,0.2,0.1, or wider bounds"
         )
     _check_corners(space)
     return space

@@ -17,7 +17,7 @@ from parkproof.model.truth import Channel, Resolved
 from parkproof.model.unicycle import wrap_angle
 from parkproof.scalar import cosine, sign, sine
 from parkproof.simulation.image_steps import image_chained_step, image_turning_step
-from parkproof.simulation.steps import Scales, chained_step, turning_step
+from parkproof.simulation.steps import Scales, chained_step, time_in_period, turning_step
 
 State = tuple[float, float, float, float, float]
 
@@ -183,8 +183,8 @@ class Plant:
             self._state = (*self._state[:3], command.speed, command.turn_rate)
         part = h / steps
         for i in range(steps):
-            begin = t + i * part
-            times = (begin, begin + 0.5 * part, begin + part)
+            begin = time_in_period(t, h, i, steps)
+            times = (begin, begin + 0.5 * part, time_in_period(t, h, i + 1, steps))
             rates = STILL
             if self._robot != "velocity":
                 tau1, tau2 = command.tau1, command.tau2

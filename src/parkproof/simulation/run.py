@@ -188,7 +188,7 @@ def simulate(scenario: Scenario, *, progress: Callable[[float], None] | None = N
             if (ended := recorder.end_after(command, measurement)) is not None:
                 return recorder.finish(ended, t)
             if k < n:
-                plant.advance(command, t, h, steps)
+                plant.advance(command, t, (k + 1) * h - t, steps)
         except ArithmeticError:  # beyond the floats, or beyond the horizon of the camera
             papers = scenario.camera is None
             return recorder.finish(Outcome.DIVERGED if papers else Outcome.OUT_OF_VIEW, t)

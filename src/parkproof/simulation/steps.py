@@ -15,6 +15,33 @@ Scales = tuple[float, float, float]
 
 
 @scalar
+def time_in_period(t: float, h: float, i: float, steps: float) -> float:
+    """Time after i of the integration steps of a control period.
+
+    A step's end is the next one's start to the last bit, also across periods if h is the next
+    sample's time less t.
+
+    Parameters
+    ----------
+    t, h : float
+        Start and length of the period in s.
+    i, steps : float
+        Whole numbers, i from 0 to steps.
+
+    Returns
+    -------
+    float
+        Time in s.
+
+    Examples
+    --------
+    >>> [time_in_period(1.0, 0.5, i, 2) for i in range(3)]
+    [1.0, 1.25, 1.5]
+    """
+    return t + h if i == steps else t + i * (h / steps)
+
+
+@scalar
 def chained_step(
     x0: float,
     x1: float,

@@ -309,8 +309,7 @@ def trials_of_a_block(
             if opposed:
                 push(b, adversary)
             act(b, clock.period)
-            go(
-                b, cameras, counts[0] > 0, tones, kinds, t, clock.period, clock.plant_steps, k == 0
-            )  # fmt: skip
+            step = (k + 1) * clock.period - t
+            go(b, cameras, counts[0] > 0, tones, kinds, t, step, clock.plant_steps, k == 0)
 
     return carry_out

@@ -14,6 +14,7 @@ from parkproof.simulation.compiler import OPTIONS
 from parkproof.simulation.steps import (
     chained_euler_step,
     chained_step,
+    time_in_period,
     turning_euler_step,
     turning_step,
 )
@@ -69,7 +70,7 @@ def _filling(rows):
 
     @inlined
     def fill(b, tones, kinds, t):
-        """Write the signals that vary into their rows of a time."""
+        """Fill the rows with all signals at a time."""
         for i in range(SIGNALS):
             row = i * BLOCK
             for m in range(kinds.shape[1]):
@@ -96,16 +97,19 @@ fill_start, fill_middle, fill_end = _filling(START), _filling(MIDDLE), _filling(
 
 
 @inlined
-def signals_of_step(b, tones, kinds, begin, h):
-    """Find signals at a step's middle and end; its start is the end of the one before."""
-    fill_middle(b, tones, kinds, begin + 0.5 * h)
-    fill_end(b, tones, kinds, begin + h)
+def signals_of_step(b, tones, kinds, t, h, i, steps):
+    """Find signals at the middle and end of an integration step; its start is the last one's end.
+
+    The step with i = −1 comes before the first of all, and only its end matters.
+    """
+    fill_middle(b, tones, kinds, time_in_period(t, h, i, steps) + 0.5 * (h / steps))
+    fill_end(b, tones, kinds, time_in_period(t, h, i + 1, steps))
 
 
 @inlined
-def signals_at_start(b, tones, kinds, begin, _h):
-    """Find signals at a step's start, which is all that Euler's method asks for."""
-    fill_start(b, tones, kinds, begin)
+def signals_at_start(b, tones, kinds, t, h, i, steps):
+    """Find signals at the start of an integration step, which is all that Euler's asks for."""
+    fill_start(b, tones, kinds, time_in_period(t, h, i, steps))
 
 
 @inlined
@@ -219,7 +223,7 @@ def advancing(find_signals, inside, outside):
     def advance(b, camera, turning, tones, kinds, t, h, steps, first):
         part = h / steps
         for i in range(-1 if first else 0, steps):
-            find_signals(b, tones, kinds, t + i * part, part)
+            find_signals(b, tones, kinds, t, h, i, steps)
             if i >= 0:
                 if turning:  # the loop for lanes in the chart takes all along, and is then undone
                     for j in range(BLOCK):

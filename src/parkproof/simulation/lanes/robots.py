@@ -233,7 +233,7 @@ def advance_robots(b, camera, tones, kinds, t, h, steps, first, rates, step):
     """Move all robots by one control period; before the first, find the signals at its start."""
     part = h / steps
     for i in range(-1 if first else 0, steps):
-        signals_of_step(b, tones, kinds, t + i * part, part)
+        signals_of_step(b, tones, kinds, t, h, i, steps)
         if i >= 0:
             for j in range(BLOCK):
                 move(b, camera, j, state_at(b, j, OWN0), OWN0, part, rates, step)
