@@ -1,11 +1,15 @@
 """The commands, as a user runs them."""
 
+import errno
+import io
 import json
 import re
+import signal
 import subprocess
 import sys
 import time
 import tomllib
+import weakref
 from pathlib import Path
 
 import pytest
@@ -13,6 +17,8 @@ import pytest
 import parkproof.cli
 from parkproof import __version__
 from parkproof.cli import COMMANDS, main
+from parkproof.cli.console import progress
+from parkproof.cli.errors import guarded
 
 SCENARIO = """\
 title = "A short one [1]"
@@ -398,3 +404,55 @@ def test_a_stopped_program_restores_the_handlers_of_its_caller():
 def test_every_command_is_a_module_of_its_name():
     folder = Path(parkproof.cli.__file__).parent
     assert all((folder / f"{name}.py").exists() for name in COMMANDS)
+
+
+class Gone(io.StringIO):
+    """A terminal that was closed."""
+
+    def isatty(self) -> bool:
+        return True
+
+    def write(self, _text: str) -> int:
+        raise OSError(errno.EIO, "Input/output error")
+
+    def flush(self) -> None:
+        self.write("")
+
+
+def test_a_terminal_that_is_closed_does_not_end_what_is_done(monkeypatch):
+    monkeypatch.setattr(sys, "stderr", Gone())
+    with progress() as report:
+        report("driving", 0.5)
+        time.sleep(0.2)  # the bar is drawn now and then
+        report("driving", 0.9)
+
+
+def test_a_signal_that_only_a_robot_takes_has_its_status_and_a_sentence(capsys):
+    def stopped() -> int:
+        error = SystemExit(131)
+        error.add_note("what is sound of it is in out-broken-off: run.mcap")
+        raise error
+
+    assert guarded(stopped) == 131
+    said = capsys.readouterr().err
+    assert said.startswith("parkproof: stopped by SIGQUIT; ")
+    assert "out-broken-off: run.mcap" in said
+    with pytest.raises(SystemExit):
+        guarded(lambda: sys.exit(3))
+
+
+def test_ctrl_c_inside_a_finaliser_stops_a_moment_later_without_a_traceback(capsys):
+    class Thing:
+        """What a library may drop at any moment."""
+
+    def command() -> int:
+        thing = Thing()
+        kept = weakref.ref(thing, lambda _: signal.raise_signal(signal.SIGINT))
+        del thing  # Python only reports what is raised in the callback
+        time.sleep(5.0)
+        return 0 if kept() is None else 1
+
+    assert guarded(command) == 130
+    said = capsys.readouterr().err
+    assert said.startswith("parkproof: stopped by Ctrl-C")
+    assert said.count("\n") == 1

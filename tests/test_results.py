@@ -1,6 +1,7 @@
 import errno
 import json
 import math
+import re
 import subprocess
 import sys
 import tomllib
@@ -19,7 +20,7 @@ from parkproof.laws.gains import Gains, Switching
 from parkproof.model.overhead import HomographyTable
 from parkproof.model.signals import Constant, Noise
 from parkproof.model.truth import Truth
-from parkproof.output import MANIFEST
+from parkproof.output import MANIFEST, write_whole
 from parkproof.results import (
     UNITS,
     notes_of,
@@ -82,6 +83,15 @@ def test_files_that_are_sound_are_left_beside_a_result_that_fails(tmp_path):
     assert not list(tmp_path.rglob("*.mp4"))
     assert (earlier / "summary.json").read_text() == "old"
     assert not list(tmp_path.glob(".run*"))
+
+
+def test_what_could_not_be_written_is_named_as_the_user_named_it(tmp_path):
+    with (
+        pytest.raises(InputError, match=re.escape(f"cannot write {tmp_path}/run/none/goal.json: ")),
+        output_directory(tmp_path / "run") as work,
+    ):
+        write_whole(work / "none" / "goal.json", "{}")
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_result_that_fails_before_a_file_is_sound_leaves_nothing(tmp_path):

@@ -307,5 +307,5 @@ def test_a_strip_that_cannot_be_is_one_line(tmp_path: Path) -> None:
         strip([one, one[:20]], tmp_path / "s.png")
     with pytest.raises(InputError, match=r"is no format of pictures; write for example strip.png"):
         strip([one], tmp_path / "s.nothing")
-    with pytest.raises(InputError, match=r"cannot write .*; choose another place"):
+    with pytest.raises(InputError, match=r"cannot write .*; choose another directory"):
         strip([one], tmp_path / "missing" / "s.png")

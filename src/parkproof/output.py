@@ -84,7 +84,7 @@ def output_directory(
         _check_replaceable(target, shown=path, overwrite=overwrite)
         _move_into_place(work, target)
     except BaseException as error:
-        raised = _as_input_error(path, error) if isinstance(error, OSError) else error
+        raised = _shown(error, path, work)
         if rest := _saved(work, target, kept):
             raised.add_note(f"what is sound of it is in {rest}: {', '.join(kept)}")
         if raised is error:
@@ -213,6 +213,15 @@ def _check_replaceable(target: Path, *, shown: Path | str, overwrite: bool) -> N
             f"{shown} holds {foreign}, which Parkproof did not write there, and is never replaced; "
             "choose another directory, or move that file away"
         )
+
+
+def _shown(error: BaseException, path: Path | str, work: Path) -> BaseException:
+    """The error as a user can understand it, who does not know the hidden directory."""
+    if isinstance(error, OSError):
+        return _as_input_error(path, error)
+    if isinstance(error, InputError) and str(work) in str(error):
+        return InputError(str(error).replace(str(work), str(path)))
+    return error
 
 
 def _saved(work: Path, target: Path, kept: Collection[str]) -> Path | None:

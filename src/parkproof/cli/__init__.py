@@ -36,8 +36,8 @@ Each is a function in the module of its name.
 """
 
 EXIT_STATUSES = (
-    "Exit status: 0 carried out; 1 if the answer is no (with --check, or nothing is proved); 2 bad "
-    "input, or a file that cannot be read or written; 130 Ctrl-C; 143 terminated."
+    "Exit status: 0 carried out; 1 if the answer is no (with --check, nothing is proved, a claim "
+    "is broken); 2 bad input, or a file that cannot be read or written; 130 Ctrl-C; 143 terminated."
 )
 
 

@@ -2,9 +2,9 @@
 
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO, cast
 
 from rich.console import Console
 from rich.table import Column, Table
@@ -114,6 +114,39 @@ def _indented(text: str) -> Any:
     return Padding(text, (0, 0, 0, 2))
 
 
+class _Tolerant:
+    """A stream that may go away, as a terminal that is closed, without a word.
+
+    Parameters
+    ----------
+    stream : TextIO
+        What is written to.
+    """
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+    def write(self, text: str) -> int:
+        """Write, if that is possible."""
+        with suppress(OSError):
+            self._stream.write(text)
+        return len(text)
+
+    def flush(self) -> None:
+        """Have written, if that is possible."""
+        with suppress(OSError):
+            self._stream.flush()
+
+
+def _stderr_console() -> Console:
+    """A console for bars: what is done matters more than they do."""
+    stream = cast("TextIO", _Tolerant(sys.stderr))
+    return Console(file=stream, markup=False, highlight=False)
+
+
 Count = Callable[[int, int], None]
 """Called with how many are done, and of how many."""
 
@@ -141,7 +174,7 @@ def counted(unit: str, *, quiet: bool = False) -> Iterator[Count]:
     """
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-    console = Console(stderr=True, markup=False, highlight=False)
+    console = _stderr_console()
     with Progress(
         TextColumn("{task.description}", markup=False),
         BarColumn(bar_width=None),
@@ -189,7 +222,7 @@ def progress(*, quiet: bool = False) -> Iterator[Report]:
     """
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-    console = Console(stderr=True, markup=False, highlight=False)
+    console = _stderr_console()
     shown = not quiet and console.is_terminal
     with Progress(
         TextColumn("{task.description}", markup=False),

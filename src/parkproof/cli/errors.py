@@ -5,6 +5,7 @@ import math
 import os
 import signal
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from types import FrameType
@@ -19,6 +20,9 @@ BAD_INPUT = 2
 
 ONE_STOP = 2.0
 """Signals within this many seconds are one: terminals and supervisors often send it twice."""
+
+SOON = 0.05
+"""Seconds after which a stop that Python swallowed is tried again."""
 
 
 def guarded(command: Callable[[], int]) -> int:
@@ -55,6 +59,10 @@ def guarded(command: Callable[[], int]) -> int:
                 status = _bad_input(error)
             else:  # whoever read the output, such as head, has had enough of it
                 discard_output()
+        except SystemExit as error:
+            if not isinstance(error.code, int) or error.code <= 128:
+                raise
+            status = _stopped(error.code - 128, error)  # what stops a robot takes more signals
     return status
 
 
@@ -187,6 +195,19 @@ def _stops() -> Iterator[list[int]]:
             arrived.append(number)
             raise KeyboardInterrupt
 
+    def swallowed(what: "sys.UnraisableHookArgs") -> None:
+        """Stop a moment later where Python lets no exception through, as in a finaliser."""
+        nonlocal last
+        error = what.exc_value
+        if isinstance(error, KeyboardInterrupt) or (
+            error is not None and isinstance(error.__context__, KeyboardInterrupt)
+        ):
+            last = -math.inf
+            threading.Timer(SOON, signal.raise_signal, (arrived[-1],)).start()
+        else:
+            hook(what)
+
+    hook, sys.unraisablehook = sys.unraisablehook, swallowed
     before = {}
     for name in ("SIGINT", "SIGTERM", "SIGHUP"):
         number = getattr(signal, name, None)  # there is no SIGHUP on Windows
@@ -197,5 +218,6 @@ def _stops() -> Iterator[list[int]]:
     try:
         yield arrived
     finally:
+        sys.unraisablehook = hook
         for number, handler in before.items():
             signal.signal(number, handler)

@@ -14,6 +14,7 @@ from parkproof.extras import require
 from parkproof.lab.devices import Image
 from parkproof.lab.overlay import Overlay, overlay, overlay_size
 from parkproof.lab.worker import Worker, WrittenBeside
+from parkproof.output import write_whole
 
 TICKS = 90_000
 """Time in a video counts in parts of a second of this many."""
@@ -263,13 +264,9 @@ def strip(
     target = Path(path)
     try:
         _, data = cv2.imencode(target.suffix, cv2.cvtColor(sheet, cv2.COLOR_RGB2BGR))
-        target.write_bytes(bytes(data))
     except cv2.error as error:
         raise InputError(
             f"{path}: {target.suffix or 'no ending'} is no format of pictures; write for example "
             "strip.png"
         ) from error
-    except OSError as error:
-        raise InputError(
-            f"cannot write {path}: {error.strerror}; choose another place for the strip"
-        ) from error
+    write_whole(target, bytes(data))

@@ -1,25 +1,28 @@
 """Many runs of one scenario: starts and truths differ, everything else is shared."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from threading import Lock
-from typing import Any
+from typing import Any, Literal, Unpack, get_args
 
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from parkproof.errors import InputError
-from parkproof.laws.parameters import LawParameters, law_parameters
+from parkproof.laws.parameters import law_parameters
 from parkproof.scenario import Scenario
+from parkproof.simulation.gpu.launch import carry_out_on_gpu
 from parkproof.simulation.lanes.buffer import (
     BLOCK,
     LEFT_CHART,
     RESULTS,
     Clock,
+    KernelKind,
     LaneLimits,
     Sensing,
+    Shared,
 )
 from parkproof.simulation.metrics import RESIDUAL_WINDOW, STATE_NAMES
 from parkproof.simulation.outcome import Outcome
@@ -27,6 +30,8 @@ from parkproof.simulation.run import HOLD, integration_steps
 from parkproof.simulation.trials import Trials, trials_of
 
 Floats = NDArray[np.float64]
+
+Device = Literal["cpu", "cuda"]
 
 _ONE_AT_A_TIME = Lock()
 """Threads that ask for one kernel at once would else each compile one."""
@@ -41,7 +46,9 @@ def _shared(scenario: Scenario) -> tuple[Any, ...]:
     )  # fmt: skip
 
 
-def simulate_ensemble(scenarios: Sequence[Scenario], *, threads: int = 1) -> dict[str, Any]:
+def simulate_ensemble(
+    scenarios: Sequence[Scenario], *, threads: int = 1, device: Device = "cpu"
+) -> dict[str, Any]:
     """Carry out many runs in compiled lanes.
 
     Parameters
@@ -51,6 +58,9 @@ def simulate_ensemble(scenarios: Sequence[Scenario], *, threads: int = 1) -> dic
         or none.
     threads : int
         Number of threads; a trial's result does not depend on it.
+    device : "cpu" or "cuda"
+        What computes: this computer's processor, or its NVIDIA graphics processor, where results
+        agree to rounding.
 
     Returns
     -------
@@ -66,7 +76,7 @@ def simulate_ensemble(scenarios: Sequence[Scenario], *, threads: int = 1) -> dic
     Raises
     ------
     InputError
-        If there are no trials, or they differ in more than that.
+        If there are no trials, or they differ in more than that, or there is no such device.
 
     Examples
     --------
@@ -85,10 +95,12 @@ def simulate_ensemble(scenarios: Sequence[Scenario], *, threads: int = 1) -> dic
             "the trials of an ensemble differ in more than start and truth, camera and run.seed: "
             "run an ensemble for each law, gains, bounds and run settings"
         )
-    return simulate_trials(first, trials_of(scenarios), threads=threads)
+    return simulate_trials(first, trials_of(scenarios), threads=threads, device=device)
 
 
-def simulate_trials(scenario: Scenario, trials: Trials, *, threads: int = 1) -> dict[str, Any]:
+def simulate_trials(
+    scenario: Scenario, trials: Trials, *, threads: int = 1, device: Device = "cpu"
+) -> dict[str, Any]:
     """Carry out many runs in compiled lanes, their starts and truths given as arrays.
 
     Parameters
@@ -100,11 +112,18 @@ def simulate_trials(scenario: Scenario, trials: Trials, *, threads: int = 1) -> 
         In what they differ.
     threads : int
         Number of threads; a trial's result does not depend on it.
+    device : "cpu" or "cuda"
+        What computes.
 
     Returns
     -------
     dict of str to array
         As from `simulate_ensemble`.
+
+    Raises
+    ------
+    InputError
+        If there is no such device.
 
     Examples
     --------
@@ -114,18 +133,10 @@ def simulate_trials(scenario: Scenario, trials: Trials, *, threads: int = 1) -> 
     >>> simulate_trials(scenario, trials_of([scenario]))["outcome"][0].value
     'parked'
     """
-    from parkproof.simulation.lanes.kernel import kernel_of
-
+    if device not in get_args(Device):
+        raise InputError(f'device = "{device}": there is no such device; write "cpu" or "cuda"')
     run, limits = scenario.run, scenario.limits
     sensing = Sensing(run.delay_samples, run.deviations)
-    with _ONE_AT_A_TIME:
-        kernel = kernel_of(
-            scenario.law,
-            implicit=run.discretisation == "implicit",
-            exact=sensing.delay == 0 and not any(sensing.deviations),
-            robot=scenario.robot.kind,
-            camera=trials.have_cameras,
-        )
     p = law_parameters(
         bounds=scenario.bounds,
         gains=scenario.gains,
@@ -146,24 +157,33 @@ def simulate_trials(scenario: Scenario, trials: Trials, *, threads: int = 1) -> 
     out = np.empty((len(RESULTS), len(trials)))
     smooth, jumping = (integration_steps(run, jumps=jumps) for jumps in (False, True))
     sizes = np.where(trials.jump, jumping, smooth)
-    with ThreadPoolExecutor(threads) as pool:
-        # signals that jump ask for smaller steps: lanes of one block share theirs
-        for size in sorted({smooth, jumping}):
-            alike = np.flatnonzero(sizes == size)
-            if alike.size:
-                shared = (p, clock._replace(plant_steps=size), lane_limits, sensing)
-                some = trials if alike.size == len(trials) else trials.some(alike)
-                out[:, alike] = _carry_out(kernel, shared, some, pool)
+    kind: KernelKind = {
+        "law_name": scenario.law,
+        "implicit": run.discretisation == "implicit",
+        "exact": sensing.exact,
+        "robot": scenario.robot.kind,
+        "camera": trials.have_cameras,
+    }
+    # signals that jump ask for smaller steps: lanes of one block share theirs
+    for size in sorted({smooth, jumping}):
+        alike = np.flatnonzero(sizes == size)
+        if alike.size:
+            shared = (p, clock._replace(plant_steps=size), lane_limits, sensing)
+            some = trials if alike.size == len(trials) else trials.some(alike)
+            out[:, alike] = (
+                carry_out_on_gpu(shared, some, **kind)
+                if device == "cuda"
+                else _carry_out(shared, some, threads, **kind)
+            )
     return _results(dict(zip(RESULTS, out, strict=True)), scenario, clock)
 
 
-def _carry_out(
-    kernel: Callable[..., None],
-    shared: tuple[LawParameters, Clock, LaneLimits, Sensing],
-    trials: Trials,
-    pool: ThreadPoolExecutor,
-) -> Floats:
+def _carry_out(shared: Shared, trials: Trials, threads: int, **kind: Unpack[KernelKind]) -> Floats:
     """The kernel's rows of trials that share an integration step, block by block."""
+    from parkproof.simulation.lanes.kernel import kernel_of
+
+    with _ONE_AT_A_TIME:
+        kernel = kernel_of(**kind)
     arrays = trials.arrays
 
     def block(begin: int) -> Floats:
@@ -174,7 +194,8 @@ def _carry_out(
         kernel(*shared, *parts, rows)
         return rows
 
-    blocks = list(pool.map(block, range(0, len(trials), BLOCK)))
+    with ThreadPoolExecutor(threads) as pool:
+        blocks = list(pool.map(block, range(0, len(trials), BLOCK)))
     return np.hstack(blocks)[:, : len(trials)]
 
 

@@ -1,11 +1,15 @@
 """The buffer of a block of lanes, and the numbers that all of its trials share."""
 
-from typing import NamedTuple
+from typing import NamedTuple, TypedDict
 
-BLOCK = 64
-"""Lanes side by side: enough to fill vector registers, few enough for the first-level cache."""
+from parkproof.laws.controller import RobotKind
+from parkproof.laws.parameters import LawParameters
 
-GROUP = 8
+BLOCK = 64 if __name__ == "parkproof.simulation.lanes.buffer" else 1
+"""Lanes side by side: enough to fill vector registers, few enough for the first-level cache. One
+where this package is loaded again for graphics processors (`parkproof.simulation.gpu`)."""
+
+GROUP = min(8, BLOCK)
 """Lanes that go through a law together: those of one vector register."""
 
 DIVERGED, OUT_OF_VIEW, LEFT_CHART, INPUT_LIMIT, SPEED_LIMIT = 1.0, 2.0, 3.0, 4.0, 5.0
@@ -116,3 +120,22 @@ class Sensing(NamedTuple):
 
     delay: int
     deviations: tuple[float, float, float, float, float]
+
+    @property
+    def exact(self) -> bool:
+        """Whether measurements are without noise and latency."""
+        return self.delay == 0 and not any(self.deviations)
+
+
+class KernelKind(TypedDict):
+    """What a kernel is compiled for; see `parkproof.simulation.lanes.kernel.kernel_of`."""
+
+    law_name: str
+    implicit: bool
+    exact: bool
+    robot: RobotKind
+    camera: bool
+
+
+Shared = tuple[LawParameters, Clock, LaneLimits, Sensing]
+"""Numbers that all trials of a kernel's call share."""

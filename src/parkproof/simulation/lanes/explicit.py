@@ -9,8 +9,9 @@ from numba.extending import register_jitable
 
 from parkproof.laws.inputs import explicit_answers, explicit_errors, with_direct
 from parkproof.simulation.compiler import OPTIONS
-from parkproof.simulation.lanes.buffer import BLOCK, ERROR1, ERROR2, GROUP, NEW1, NEW2, STEP, WAY
-from parkproof.simulation.lanes.plant import state_at
+
+from .buffer import BLOCK, ERROR1, ERROR2, GROUP, NEW1, NEW2, STEP, WAY
+from .plant import state_at
 
 inlined = register_jitable(forceinline=True, **OPTIONS)
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from parkproof.simulation.lanes.buffer import (
+from .buffer import (
     BEFORE,
     BLOCK,
     CHART,

@@ -13,7 +13,8 @@ from parkproof.model.overhead import is_inside
 from parkproof.scalar import cosine, sine
 from parkproof.simulation.compiler import OPTIONS
 from parkproof.simulation.image_steps import image_chained_step, image_turning_step
-from parkproof.simulation.lanes.buffer import BETA, BLOCK, CHART, S0, S1, S2
+
+from .buffer import BETA, BLOCK, CHART, S0, S1, S2
 
 inlined = register_jitable(forceinline=True, **OPTIONS)
 

@@ -18,7 +18,8 @@ from parkproof.laws.robustify import (
     narrowed,
 )
 from parkproof.simulation.compiler import OPTIONS
-from parkproof.simulation.lanes.buffer import (
+
+from .buffer import (
     AT,
     AT_HIGH,
     AT_LOW,
@@ -41,7 +42,7 @@ from parkproof.simulation.lanes.buffer import (
     SURFACE,
     WAY,
 )
-from parkproof.simulation.lanes.plant import state_at
+from .plant import state_at
 
 inlined = register_jitable(forceinline=True, **OPTIONS)
 

@@ -31,9 +31,10 @@ from parkproof.laws.turn import turn_channels, turned
 from parkproof.model.chained import chained_inputs
 from parkproof.model.unicycle import wrap_angle
 from parkproof.simulation.compiler import OPTIONS, register
-from parkproof.simulation.lanes import explicit as explicit_form
-from parkproof.simulation.lanes import implicit as implicit_form
-from parkproof.simulation.lanes.buffer import (
+
+from . import explicit as explicit_form
+from . import implicit as implicit_form
+from .buffer import (
     BEFORE,
     BLOCK,
     CHART,
@@ -52,10 +53,10 @@ from parkproof.simulation.lanes.buffer import (
     TAU2,
     WAY,
 )
-from parkproof.simulation.lanes.first import all_tones, first_buffer, kinds_of
-from parkproof.simulation.lanes.kept import keep
-from parkproof.simulation.lanes.memory import array_of, buffer_of, parameters_in
-from parkproof.simulation.lanes.metrics import (
+from .first import all_tones, first_buffer, kinds_of
+from .kept import keep
+from .memory import array_of, buffer_of, parameters_in
+from .metrics import (
     end_beyond_limits,
     end_code,
     hand_in,
@@ -63,9 +64,9 @@ from parkproof.simulation.lanes.metrics import (
     measure,
     note_step,
 )
-from parkproof.simulation.lanes.parts import parts_of
-from parkproof.simulation.lanes.plant import push, state_at
-from parkproof.simulation.lanes.sensor import end_unseen, is_misled, is_unseen
+from .parts import parts_of
+from .plant import push, state_at
+from .sensor import end_unseen, is_misled, is_unseen
 
 inlined = register_jitable(forceinline=True, **OPTIONS)
 
@@ -147,6 +148,42 @@ def kernel_of(
 def _compiled(
     law_name: str, implicit: bool, exact: bool, robot: RobotKind, camera: bool, euler: bool
 ) -> Callable[..., Any]:
+    carry_out = trials_of_a_block(law_name, implicit, exact, robot, camera, euler)
+
+    @numba.njit(nogil=True, **OPTIONS)
+    def kernel(
+        numbers, clock, limits, sensing, rows, ring, counts, groups, waves, kinds, most, keys,
+        cameras, out,
+    ):  # fmt: skip
+        carry_out(
+            parameters_in(numbers), clock, limits, sensing, buffer_of(rows), ring, counts, groups,
+            buffer_of(waves), kinds, buffer_of(most), keys, cameras, out,
+        )  # fmt: skip
+
+    name = f"{law_name} {implicit=} {exact=} {robot} {camera=} {euler=}"
+    return keep(kernel, name)
+
+
+def trials_of_a_block(
+    law_name: str, implicit: bool, exact: bool, robot: RobotKind, camera: bool, euler: bool
+) -> Callable[..., Any]:
+    """Put together what carries out the trials of one block, to be compiled into a kernel.
+
+    Parameters
+    ----------
+    law_name, implicit, exact, robot, camera, euler
+        See `kernel_of`.
+
+    Returns
+    -------
+    callable
+        What a kernel calls, with the memory that it needs.
+
+    Examples
+    --------
+    >>> callable(trials_of_a_block("corrected", False, True, "chained", False, False))
+    True
+    """
     register()
     law = law_named(law_name)
     law_begin, law_direction, law_switch = law.begin, law.direction, law.switch
@@ -220,17 +257,11 @@ def _compiled(
                     one, two = turn_channels(theta + p.lookahead * omega, p)
                     b[NEW1 + j], b[NEW2 + j] = inputs(one, two, v, omega, p)
 
-    @numba.njit(nogil=True, **OPTIONS)
-    def kernel(
-        numbers, clock, limits, sensing, rows, ring, counts, groups, waves, kinds, most, keys,
-        cameras, out,
+    @inlined
+    def carry_out(
+        p, clock, limits, sensing, b, ring, counts, groups, tones, kinds, adversary, keys, cameras,
+        out,
     ):  # fmt: skip
-        p, b, tones, adversary = (
-            parameters_in(numbers),
-            buffer_of(rows),
-            buffer_of(waves),
-            buffer_of(most),
-        )
         limited = min(limits.tau1, limits.tau2, limits.speed, limits.turn_rate) < math.inf
         opposed = False
         for j in range(BLOCK):
@@ -281,5 +312,4 @@ def _compiled(
             step = (k + 1) * clock.period - t
             go(b, cameras, counts[0] > 0, tones, kinds, t, step, clock.plant_steps, k == 0)
 
-    name = f"{law_name} {implicit=} {exact=} {robot} {camera=} {euler=}"
-    return keep(kernel, name)
+    return carry_out

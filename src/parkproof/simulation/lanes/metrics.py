@@ -10,7 +10,8 @@ import math
 from numba.extending import register_jitable
 
 from parkproof.simulation.compiler import OPTIONS
-from parkproof.simulation.lanes.buffer import (
+
+from .buffer import (
     BEFORE,
     BLOCK,
     CHART,

@@ -11,8 +11,9 @@ from numba.extending import register_jitable
 
 from parkproof.laws.controller import RobotKind
 from parkproof.simulation.compiler import OPTIONS
-from parkproof.simulation.lanes import image, plant, robots, sensor
-from parkproof.simulation.lanes.buffer import S2, S3, S4
+
+from . import image, plant, robots, sensor
+from .buffer import S2, S3, S4
 
 inlined = register_jitable(forceinline=True, **OPTIONS)
 

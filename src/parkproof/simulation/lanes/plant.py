@@ -11,7 +11,15 @@ from parkproof.model.chained import body_inputs, chained_inputs, extension_rate
 from parkproof.model.signals import tone_value
 from parkproof.scalar import sign
 from parkproof.simulation.compiler import OPTIONS
-from parkproof.simulation.lanes.buffer import (
+from parkproof.simulation.steps import (
+    chained_euler_step,
+    chained_step,
+    time_in_period,
+    turning_euler_step,
+    turning_step,
+)
+
+from .buffer import (
     ALPHA1,
     ALPHA2,
     B2,
@@ -41,13 +49,6 @@ from parkproof.simulation.lanes.buffer import (
     TAU1,
     TAU2,
 )
-from parkproof.simulation.steps import (
-    chained_euler_step,
-    chained_step,
-    time_in_period,
-    turning_euler_step,
-    turning_step,
-)
 
 inlined = register_jitable(forceinline=True, **OPTIONS)
 
@@ -69,6 +70,7 @@ def _filling(rows):
 
     @inlined
     def fill(b, tones, kinds, t):
+        """Fill the rows with all signals at a time."""
         for i in range(SIGNALS):
             row = i * BLOCK
             for m in range(kinds.shape[1]):

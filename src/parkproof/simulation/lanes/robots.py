@@ -16,7 +16,8 @@ from parkproof.model.image_unicycle import gains_under
 from parkproof.model.unicycle import wrap_angle
 from parkproof.scalar import cosine, sine
 from parkproof.simulation.compiler import OPTIONS
-from parkproof.simulation.lanes.buffer import (
+
+from .buffer import (
     ACT1,
     ACT2,
     BETA,
@@ -56,14 +57,14 @@ from parkproof.simulation.lanes.buffer import (
     TAU1,
     TAU2,
 )
-from parkproof.simulation.lanes.image import homography_of
-from parkproof.simulation.lanes.plant import (
+from .image import homography_of
+from .plant import (
     disturbed,
     move,
     signals_of_step,
     state_at,
 )
-from parkproof.simulation.lanes.sensor import take
+from .sensor import take
 
 inlined = register_jitable(forceinline=True, **OPTIONS)
 

@@ -11,7 +11,9 @@ from numba.extending import register_jitable
 from parkproof.model.chained import body_inputs, chained_inputs
 from parkproof.model.unicycle import wrap_angle
 from parkproof.simulation.compiler import OPTIONS
-from parkproof.simulation.lanes.buffer import (
+from parkproof.simulation.noise import standard_noise
+
+from .buffer import (
     BLOCK,
     CHART,
     ENDING,
@@ -30,7 +32,6 @@ from parkproof.simulation.lanes.buffer import (
     SEEN4,
     STEP,
 )
-from parkproof.simulation.noise import standard_noise
 
 inlined = register_jitable(forceinline=True, **OPTIONS)
 

@@ -1,0 +1,1 @@
+"""The lanes on a graphics processor: one trial a thread, from the same source."""
