@@ -8,9 +8,19 @@ from functools import cache
 from typing import Any
 
 from numba import cuda, float64, int64
+from numba.extending import register_jitable
 
 from parkproof.laws.controller import RobotKind
+from parkproof.simulation.compiler import OPTIONS
 from parkproof.simulation.gpu.one_lane import one_lane
+
+inlined = register_jitable(forceinline=True, **OPTIONS)
+
+
+@inlined
+def as_they_are(p: Any) -> Any:
+    """A law's parameters, which each thread has in a tuple."""
+    return p
 
 
 @cache
@@ -37,7 +47,9 @@ def device_kernel(
     See `parkproof.simulation.gpu.launch.carry_out_on_gpu`.
     """
     lane, buffer = one_lane("kernel"), one_lane("buffer")
-    carry_out = lane.trials_of_a_block(law_name, implicit, exact, robot, camera, False)
+    carry_out = inlined(
+        lane.trials_of_a_block(law_name, implicit, exact, robot, camera, False, as_they_are)
+    )
     rows, steps, signals = len(buffer.ROWS), lane.STEPS, buffer.SIGNALS
     s0, chart, step, way, before = buffer.S0, buffer.CHART, buffer.STEP, buffer.WAY, buffer.BEFORE
     low0, high0, end0, ended_at = buffer.LOW0, buffer.HIGH0, buffer.END0, buffer.ENDED_AT

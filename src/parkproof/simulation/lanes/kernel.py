@@ -55,7 +55,7 @@ from .buffer import (
 )
 from .first import all_tones, first_buffer, kinds_of
 from .kept import keep
-from .memory import array_of, buffer_of, parameters_in
+from .memory import Buffer, Parameters, on_the_stack
 from .metrics import (
     end_beyond_limits,
     end_code,
@@ -137,8 +137,8 @@ def kernel_of(
         ring = np.empty((1 if exact else sensing.delay + 1, 6, BLOCK))
         counts, groups = np.zeros(STEPS, np.int64), np.zeros((STEPS, BLOCK // GROUP), np.int64)
         kernel(
-            array_of(p), clock, limits, sensing, b, ring, counts, groups, all_of, kinds_of(all_of),
-            adversary, keys, cameras, out,
+            Parameters(p), clock, limits, sensing, Buffer(b), ring, counts, groups, Buffer(all_of),
+            kinds_of(all_of), Buffer(adversary), keys, cameras, out,
         )  # fmt: skip
 
     return block
@@ -148,40 +148,37 @@ def kernel_of(
 def _compiled(
     law_name: str, implicit: bool, exact: bool, robot: RobotKind, camera: bool, euler: bool
 ) -> Callable[..., Any]:
-    carry_out = trials_of_a_block(law_name, implicit, exact, robot, camera, euler)
-
-    @numba.njit(nogil=True, **OPTIONS)
-    def kernel(
-        numbers, clock, limits, sensing, rows, ring, counts, groups, waves, kinds, most, keys,
-        cameras, out,
-    ):  # fmt: skip
-        carry_out(
-            parameters_in(numbers), clock, limits, sensing, buffer_of(rows), ring, counts, groups,
-            buffer_of(waves), kinds, buffer_of(most), keys, cameras, out,
-        )  # fmt: skip
-
+    carry_out = trials_of_a_block(law_name, implicit, exact, robot, camera, euler, on_the_stack)
     name = f"{law_name} {implicit=} {exact=} {robot} {camera=} {euler=}"
-    return keep(kernel, name)
+    return keep(numba.njit(carry_out, nogil=True, **OPTIONS), name)
 
 
 def trials_of_a_block(
-    law_name: str, implicit: bool, exact: bool, robot: RobotKind, camera: bool, euler: bool
+    law_name: str,
+    implicit: bool,
+    exact: bool,
+    robot: RobotKind,
+    camera: bool,
+    euler: bool,
+    held: Callable[..., Any],
 ) -> Callable[..., Any]:
-    """Put together what carries out the trials of one block, to be compiled into a kernel.
+    """Put together what carries out the trials of one block, to be compiled as a kernel.
 
     Parameters
     ----------
     law_name, implicit, exact, robot, camera, euler
         See `kernel_of`.
+    held : callable
+        Makes of a law's parameters what a kernel best keeps them as.
 
     Returns
     -------
     callable
-        What a kernel calls, with the memory that it needs.
+        Not compiled yet; it is called with the memory that it needs.
 
     Examples
     --------
-    >>> callable(trials_of_a_block("corrected", False, True, "chained", False, False))
+    >>> callable(trials_of_a_block("corrected", False, True, "chained", False, False, tuple))
     True
     """
     register()
@@ -257,11 +254,11 @@ def trials_of_a_block(
                     one, two = turn_channels(theta + p.lookahead * omega, p)
                     b[NEW1 + j], b[NEW2 + j] = inputs(one, two, v, omega, p)
 
-    @inlined
     def carry_out(
         p, clock, limits, sensing, b, ring, counts, groups, tones, kinds, adversary, keys, cameras,
         out,
     ):  # fmt: skip
+        p = held(p)
         limited = min(limits.tau1, limits.tau2, limits.speed, limits.turn_rate) < math.inf
         opposed = False
         for j in range(BLOCK):

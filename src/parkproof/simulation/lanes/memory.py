@@ -14,14 +14,16 @@ from numba import types
 from numba.core import cgutils
 from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, infer_global, signature
 from numba.extending import (
+    NativeValue,
     infer_getattr,
     intrinsic,
     lower_builtin,
     lower_getattr_generic,
     models,
     register_model,
+    typeof_impl,
+    unbox,
 )
-from numpy.typing import NDArray
 
 from parkproof.laws.parameters import LawParameters
 
@@ -94,17 +96,6 @@ def write(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
     return context.get_dummy_value()
 
 
-@intrinsic
-def buffer_of(_context: Any, array: Any) -> Any:
-    """Take a contiguous array of doubles for a buffer."""
-
-    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        numbers = context.make_array(signature.args[0])(context, builder, args[0])
-        return builder.bitcast(numbers.data, context.get_value_type(BUFFER))
-
-    return BUFFER(array), generate
-
-
 # ------------------------------------------------------------------------------- parameters
 
 
@@ -126,41 +117,71 @@ def read_field(_context: Any, builder: Any, _type: Any, value: Any, name: str) -
 
 
 @intrinsic
-def parameters_in(_context: Any, numbers: Any) -> Any:
-    """Copy a law's parameters from an array to the stack, from where they go into registers.
+def on_the_stack(_context: Any, numbers: Any) -> Any:
+    """Copy a law's parameters to the stack, from where they go into registers.
 
-    Read from the array, the compiler would have to expect that writing to a buffer changes them,
-    and would not turn loops into vector instructions.
+    Read from elsewhere, the compiler would have to expect that writing to a buffer changes them,
+    and would not turn loops into vector instructions. To be called in the kernel itself: what is on
+    the stack of a function that it calls is gone after the call.
     """
 
-    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        array = context.make_array(signature.args[0])(context, builder, args[0])
+    def generate(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
         copy = cgutils.alloca_once(builder, DOUBLE, size=WHOLE(len(LawParameters._fields)))
         for i in range(len(LawParameters._fields)):
-            number = builder.load(builder.gep(array.data, [WHOLE(i)]))
-            builder.store(number, builder.gep(copy, [WHOLE(i)]))
+            builder.store(
+                builder.load(_place(builder, args[0], WHOLE(i))), builder.gep(copy, [WHOLE(i)])
+            )
         return builder.bitcast(copy, context.get_value_type(PARAMETERS))
 
     return PARAMETERS(numbers), generate
 
 
-def array_of(p: LawParameters) -> NDArray[np.float64]:
-    """Give the array that `parameters_in` takes.
+# ------------------------------------------------------------------- what a kernel is handed
+
+
+class Handle:
+    """An array whose address is all that a kernel is given.
 
     Parameters
     ----------
-    p : LawParameters
-        Gains and bounds.
-
-    Returns
-    -------
-    array
-        Its fields.
+    numbers : array
+        Contiguous numbers, or a tuple of them.
 
     Examples
     --------
-    >>> from parkproof.laws import default_parameters
-    >>> array_of(default_parameters()).size == len(LawParameters._fields)
-    True
+    >>> Handle((1.0, 2.0)).numbers
+    array([1., 2.])
     """
-    return np.array(p)
+
+    def __init__(self, numbers: Any) -> None:
+        self.numbers = np.ascontiguousarray(numbers, dtype=np.float64)
+        self.address = self.numbers.ctypes.data
+
+
+class Buffer(Handle):
+    """A `BufferType` in compiled code."""
+
+
+class Parameters(Handle):
+    """A `ParametersType` in compiled code, made of a `LawParameters`."""
+
+
+@typeof_impl.register(Buffer)
+def _type_of_buffer(_handle: Any, _context: Any) -> Any:
+    return BUFFER
+
+
+@typeof_impl.register(Parameters)
+def _type_of_parameters(_handle: Any, _context: Any) -> Any:
+    return PARAMETERS
+
+
+@unbox(BufferType)
+@unbox(ParametersType)
+def _take(kind: Any, handle: Any, compiler: Any) -> Any:
+    """Take the address out of a handle."""
+    number = compiler.pyapi.object_getattr_string(handle, "address")
+    address = compiler.unbox(types.intp, number).value
+    compiler.pyapi.decref(number)
+    pointer = compiler.builder.inttoptr(address, compiler.context.get_value_type(kind))
+    return NativeValue(pointer)
