@@ -282,7 +282,7 @@ def documented_parameters(doc: str) -> set[str]:
     return names
 
 
-COMPILED = "parkproof.simulation.lanes."
+COMPILED = ("parkproof.simulation.lanes.", "parkproof.simulation.gpu.kernel")
 """Parts of kernels, which compiled code calls; their parameters are those of the buffer module."""
 
 

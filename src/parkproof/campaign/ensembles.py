@@ -36,6 +36,10 @@ def ensembles(
     Examples
     --------
     >>> from parkproof.campaign.draw import drawn_values
+    >>> from parkproof.campaign.prepare import prepared_from
+    >>> prepared = prepared_from('''{"law": "corrected", "start": {"pose": [-1, 0, 0]},
+    ...     "trials": 10, "run": {"duration": 1.0, "control_period": 0.01}, "distributions":
+    ...     {"start.pose[0]": {"kind": "uniform", "low": -2, "high": -1}}}''')
     >>> drawn = drawn_values(prepared.campaign, 0, 4)
     >>> [len(trials) for _, _, trials in ensembles(prepared, drawn, np.arange(4), size=3)]
     [3, 1]
