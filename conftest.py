@@ -1,8 +1,16 @@
 """What the examples in docstrings may use without making it: a run, a figure, a directory."""
 
+import signal
 from functools import cache
 
 import pytest
+
+# Tests send signals, also to programs that they start. What runs in the background, or after nohup,
+# is begun with some of them ignored, and passes that on.
+for _name, _usual in (("SIGINT", signal.default_int_handler), ("SIGHUP", signal.SIG_DFL)):
+    _number = getattr(signal, _name, None)
+    if _number is not None and signal.getsignal(_number) == signal.SIG_IGN:
+        signal.signal(_number, _usual)
 
 
 @cache
