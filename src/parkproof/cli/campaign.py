@@ -167,7 +167,7 @@ def _print(directory: Path, trials: int) -> None:
     total = sum(counts.values())
     facts = [("Trials", f"{total:,} of {trials:,}")]
     facts += [
-        (outcome.capitalize(), f"{count:,} ({100.0 * count / total:.4g} %)")
+        (outcome.capitalize(), f"{count:,} ({100.0 * count / total:.6g} %)")
         for outcome, count in sorted(counts.items(), key=lambda pair: (-pair[1], pair[0]))
     ]
     console = stdout_console()
