@@ -8,6 +8,7 @@ numbers are rounded, so what is finally written is proved again.
 from dataclasses import dataclass
 from typing import Any
 
+from parkproof.laws.time_scale import scaled_approach, scaled_pair
 from parkproof.proof.checker.chains import TwoChain
 from parkproof.proof.checker.links import PowerIntegrator
 from parkproof.proof.checker.squares import ThreeChainWithSquares
@@ -50,7 +51,8 @@ class TwoChainForm:
         """Gains and link of the loop that is ``speed`` times as fast."""
         q = float(Ratio(self.q, "q2"))
         one = speed ** (1.0 / q)
-        k = (_short(speed * self.k[0]), _short(one * self.k[1]))
+        k1, k2 = scaled_pair(self.k, self.q, speed=speed)
+        k = (_short(k1), _short(k2))
         weight = _short(self.link["k2"] * one**2)
         first, *others = self.link["sizes"]
         sizes = (first * ROUNDING, *(one**2 * size * ROUNDING for size in others))
@@ -88,11 +90,9 @@ class ThreeChainForm:
     ) -> tuple[tuple[float, float, float], PowerIntegrator]:
         """Gains and link of the loop that is ``speed`` times as fast at another run-up speed."""
         q = float(Ratio(self.q, "q1"))
-        e, r = 2.0 * q - 1.0, 3.0 * q - 2.0
-        slope, spin, push = speed / cruise, speed**2 / cruise, speed**3 / cruise
-        two, three = slope ** (1.0 / q), spin ** (1.0 / e)
-        l1, l2, l3 = self.l
-        gains = (_short(l1 * slope), _short(l2 * spin / two**e), _short(l3 * push / three**r))
+        two, three = (speed / cruise) ** (1.0 / q), (speed**2 / cruise) ** (1.0 / (2.0 * q - 1.0))
+        l1, l2, l3 = scaled_approach(self.l, self.q, speed=speed, cruise=cruise)
+        gains = (_short(l1), _short(l2), _short(l3))
         k1, k2 = self.link["k"]
         weights = (_short(k1 * two**2), _short(k2 * three**2))
         one, other = self.link["s"]
