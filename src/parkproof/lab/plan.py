@@ -38,8 +38,10 @@ MORE_STAGES = (*STAGES, (6.0, -6.0), (8.0, -8.0))
 HOLDING, RETURNING = 2.0, 1.0
 """Time scales of holding and turning, and of the return."""
 
-STEEPEST = math.radians(82.0)
-"""Headings beyond this are refused in the run-up and the approach: noise could leave the chart."""
+STEEPEST, MORE_STEEP = math.radians(76.0), math.radians(82.0)
+"""Headings beyond this are refused in the run-up and the approach: noise and unequal motors add
+some degrees to what was foreseen, and nearer to 90° the course is given up (safety.STEEP). A
+thorough search comes nearer."""
 
 CRUISE = (0.2, 3.0)
 """Run-up speeds in goal units per s that are tried."""
@@ -75,7 +77,8 @@ class Task:
     gains : Gains, optional
         Gains that are given; only direction and straight leg are chosen then.
     thorough : bool
-        Whether to try more speeds, slopes and legs: a few seconds, where there is no course.
+        Whether to try more speeds, slopes, legs and steeper courses: a few seconds, where there is
+        no other.
     quickest : float
         Largest time scale κ of Step 2 that is tried.
     period : float
@@ -129,13 +132,14 @@ def rehearsed(task: Task, pose: GoalPose, longest: float, move: Move) -> float |
         How long it takes in s; None if it leaves the view or the chart, or takes too long.
     """
     room = task.view.room(task.footprint, *pose) - task.margin
+    steepest = MORE_STEEP if task.thorough else STEEPEST
     t, turned = 0.0, False
     while t < longest:
         step, after = move(t, pose)
         if step == 0 and turned:
             return None  # it had to turn again
         turned = turned or step > 0
-        if step in {1, 2} and abs(pose.theta) > STEEPEST:
+        if step in {1, 2} and abs(pose.theta) > steepest:
             return None
         if step == HOLD:
             return t
