@@ -10,15 +10,16 @@ import pytest
 
 from parkproof import scalar
 from parkproof.laws.gains import Gains
+from parkproof.model import signals as model_signals
 from parkproof.model.signals import Sine
 from parkproof.model.truth import Truth
 from parkproof.scenario import Scenario, Start
 from parkproof.simulation import plant
 from parkproof.simulation.compiler import OPTIONS, register
 from parkproof.simulation.ensemble import simulate_ensemble
-from parkproof.simulation.lanes import kernel
+from parkproof.simulation.lanes import kernel, signals
 from parkproof.simulation.run import simulate
-from parkproof.simulation.steps import chained_euler_step
+from parkproof.simulation.steps import chained_euler_step, time_in_period
 
 Make = Callable[..., Scenario]
 COARSE = {"control_period": 2e-3, "plant_step": 2e-3}
@@ -51,6 +52,65 @@ def same_primitives(monkeypatch: pytest.MonkeyPatch) -> None:
         for module in list(sys.modules.values()):
             if module.__name__.startswith("parkproof") and vars(module).get(name) is plain:
                 monkeypatch.setattr(module, name, other)
+
+
+class Turned:
+    """Waves as lanes have them: turned on from those at the start of every 32nd step.
+
+    ``turns`` is how often they turn in an integration step.
+    """
+
+    def __init__(self, turns: int) -> None:
+        self.turns = turns
+        self.known: dict[tuple[float, float, int], tuple[float, float]] = {}
+        self.period = self.steps = 0.0
+
+    def waves(self, omega: float, phase: float, m: int) -> tuple[float, float]:
+        """Sine and cosine after so many turns."""
+        if (omega, phase, m) not in self.known:
+            step = max(m - 1, 0) // 2 if self.turns == 2 else m
+            anchor = step // signals.RENEWED * signals.RENEWED
+            if m == self.turns * anchor:
+                s, c = self.anew(omega, phase, anchor)
+            else:
+                before = m - 1 == self.turns * anchor
+                s, c = (
+                    self.anew(omega, phase, anchor) if before else self.waves(omega, phase, m - 1)
+                )
+                angle = omega * (self.period / self.steps / self.turns)
+                s, c = scalar.rotated(s, c, scalar.sine(angle), scalar.cosine(angle))
+            self.known[omega, phase, m] = s, c
+        return self.known[omega, phase, m]
+
+    def anew(self, omega: float, phase: float, step: int) -> tuple[float, float]:
+        """Sine and cosine at the start of a step."""
+        k, i = divmod(step, int(self.steps))
+        t = k * self.period
+        angle = omega * time_in_period(t, (k + 1) * self.period - t, i, self.steps) + phase
+        return scalar.sine(angle), scalar.cosine(angle)
+
+    def value(self, amplitude: float, omega: float, phase: float, square: float, t: float) -> float:
+        """What takes the place of `tone_value`."""
+        if square > 0.0:
+            return amplitude * scalar.sign(scalar.sine(omega * t + phase))
+        turns = t * self.turns * self.steps / self.period
+        return amplitude * self.waves(omega, phase, round(turns))[0]
+
+
+@pytest.fixture
+def turned(monkeypatch: pytest.MonkeyPatch) -> Turned:
+    """Let plain Python find its waves as lanes do."""
+    made, advance = Turned(2), plant.Plant.advance
+
+    def noting(self: plant.Plant, command: Any, t: float, h: float, steps: int) -> None:
+        if t == 0.0:
+            made.known.clear()
+            made.period, made.steps = h, steps
+        advance(self, command, t, h, steps)
+
+    monkeypatch.setattr(plant.Plant, "advance", noting)
+    monkeypatch.setattr(model_signals, "tone_value", made.value)
+    return made
 
 
 def results_of(scenario: Scenario) -> dict[str, Any]:
@@ -88,7 +148,7 @@ def varying() -> Truth:
     )
 
 
-@pytest.mark.usefixtures("same_primitives")
+@pytest.mark.usefixtures("same_primitives", "turned")
 @pytest.mark.parametrize("discretisation", ["explicit", "implicit"])
 @pytest.mark.parametrize("law", ["published", "corrected", "homogeneous"])
 def test_with_the_same_primitives_a_lane_is_the_plain_run_to_the_last_bit(
@@ -109,7 +169,7 @@ def test_with_the_same_primitives_a_lane_is_the_plain_run_to_the_last_bit(
     )  # fmt: skip
 
 
-@pytest.mark.usefixtures("same_primitives")
+@pytest.mark.usefixtures("same_primitives", "turned")
 def test_so_is_one_that_turns_first(section4: Make) -> None:
     start = Start(pose=(-1.0, 0.5, 2.0), velocity=(0.5, 0.1))
     assert_same([section4(start=start, truth=varying(), duration=6.0, **COARSE)])
@@ -117,8 +177,10 @@ def test_so_is_one_that_turns_first(section4: Make) -> None:
 
 @pytest.mark.usefixtures("same_primitives")
 def test_so_is_one_integrated_by_euler_s_method(
-    section4: Make, monkeypatch: pytest.MonkeyPatch
+    section4: Make, turned: Turned, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    turned.turns = 1
+
     def step(x0, x1, x2, u0, u1, scales, _m, _e, rate1, _m1, _e1, rate2, _m2, _e2, h):  # type: ignore[no-untyped-def]
         return chained_euler_step(x0, x1, x2, u0, u1, scales, rate1, rate2, h)
 

@@ -161,6 +161,31 @@ def cosine(x: float) -> float:
 
 
 @scalar
+def rotated(s: float, c: float, turn_s: float, turn_c: float) -> tuple[float, float]:
+    """Sine and cosine of the sum of two angles.
+
+    Parameters
+    ----------
+    s, c : float
+        Sine and cosine of the one.
+    turn_s, turn_c : float
+        Sine and cosine of the other.
+
+    Returns
+    -------
+    tuple of 2 floats
+        Sine and cosine of their sum.
+
+    Examples
+    --------
+    >>> from parkproof.scalar import rotated
+    >>> rotated(0.0, 1.0, 1.0, 0.0)
+    (1.0, 0.0)
+    """
+    return s * turn_c + c * turn_s, c * turn_c - s * turn_s
+
+
+@scalar
 def sign(x: float) -> float:
     """Sign of a number, with sign(0) = 0: one selection of the set-valued sign.
 

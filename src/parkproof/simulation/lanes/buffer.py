@@ -92,6 +92,14 @@ BEFORE = -1.0
 UNUSED, SINES, SQUARES = 0, 1, 2
 """What the lanes of a block have of a tone: nothing, sines at most, or square waves, too."""
 
+TONE_ROWS = 8
+OMEGA, PHASE, SQUARE, SINE, COSINE, TURN_SINE, TURN_COSINE = range(BLOCK, BLOCK * TONE_ROWS, BLOCK)
+"""Where the rows of a tone begin, counted from that of its amplitude: what it is, its waves now,
+and the rotation by which they go on."""
+
+TONE = BLOCK * TONE_ROWS
+"""How far apart tones are."""
+
 
 class Clock(NamedTuple):
     """Times of an ensemble."""

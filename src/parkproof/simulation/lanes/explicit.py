@@ -8,6 +8,7 @@ of both channels, and the answers to them. Compiled code: ``b`` is the buffer of
 from numba.extending import register_jitable
 
 from parkproof.laws.inputs import explicit_answers, explicit_errors, with_direct
+from parkproof.laws.turn import turn_channels
 from parkproof.simulation.compiler import OPTIONS
 
 from .buffer import BLOCK, ERROR1, ERROR2, GROUP, NEW1, NEW2, STEP, WAY
@@ -31,6 +32,20 @@ def prepare(b, step, count, firsts, seen, p, law_channels):
 
 
 @inlined
+def prepare_turn(b, count, firsts, pose, p):
+    """Errors of both channels of lanes that turn."""
+    for i in range(count):
+        first = firsts[i] & (BLOCK - GROUP)
+        for j in range(first, first + GROUP):
+            theta, v, omega = pose(b, j)
+            one, two = turn_channels(theta + p.lookahead * omega, p)
+            error1, error2 = explicit_errors(one, two, v, omega)
+            here = b[STEP + j] == 0.0
+            b[ERROR1 + j] = error1 if here else b[ERROR1 + j]
+            b[ERROR2 + j] = error2 if here else b[ERROR2 + j]
+
+
+@inlined
 def solve(_b):
     """There is nothing to solve."""
 
@@ -47,5 +62,19 @@ def answer(b, step, count, firsts, seen, p, law_channels, law_direct):
             tau1, tau2 = explicit_answers(one, two, b[ERROR1 + j], b[ERROR2 + j], p)
             tau2 = with_direct(tau2, law_direct(step, way, x1, x2, u1, p), p)
             here = b[STEP + j] == step
+            b[NEW1 + j] = tau1 if here else b[NEW1 + j]
+            b[NEW2 + j] = tau2 if here else b[NEW2 + j]
+
+
+@inlined
+def answer_turn(b, count, firsts, pose, p):
+    """Inputs of lanes that turn."""
+    for i in range(count):
+        first = firsts[i] & (BLOCK - GROUP)
+        for j in range(first, first + GROUP):
+            theta, _, omega = pose(b, j)
+            one, two = turn_channels(theta + p.lookahead * omega, p)
+            tau1, tau2 = explicit_answers(one, two, b[ERROR1 + j], b[ERROR2 + j], p)
+            here = b[STEP + j] == 0.0
             b[NEW1 + j] = tau1 if here else b[NEW1 + j]
             b[NEW2 + j] = tau2 if here else b[NEW2 + j]

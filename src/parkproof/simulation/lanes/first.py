@@ -21,6 +21,7 @@ from .buffer import (
     SQUARES,
     START,
     STEP,
+    TONE_ROWS,
     TURN_SQUARE,
     UNUSED,
     WAY,
@@ -60,7 +61,7 @@ def kinds_of(tones: Floats) -> NDArray[np.int64]:
 
 
 def all_tones(tones: Floats, scale_tones: Floats) -> Floats:
-    """Put the tones of γ1, γ2, φ1, φ2 and those of α1, α2, b2 into one array.
+    """Put the tones of γ1, γ2, φ1, φ2 and those of α1, α2, b2 into one array, with room for waves.
 
     Parameters
     ----------
@@ -70,16 +71,17 @@ def all_tones(tones: Floats, scale_tones: Floats) -> Floats:
     Returns
     -------
     array
-        The same, for seven signals.
+        The same, for seven signals, and as many rows again, `TONE_ROWS` in all.
 
     Examples
     --------
     >>> all_tones(np.zeros((4, 8, 4, 2)), np.zeros((3, 0, 4, 2))).shape
-    (7, 8, 4, 2)
+    (7, 8, 8, 2)
     """
-    both = np.zeros((SIGNALS, max(tones.shape[1], scale_tones.shape[1]), *tones.shape[2:]))
-    both[:4, : tones.shape[1]] = tones
-    both[4:, : scale_tones.shape[1]] = scale_tones
+    most = max(tones.shape[1], scale_tones.shape[1])
+    both = np.zeros((SIGNALS, most, TONE_ROWS, tones.shape[-1]))
+    both[:4, : tones.shape[1], : tones.shape[2]] = tones
+    both[4:, : scale_tones.shape[1], : scale_tones.shape[2]] = scale_tones
     return both
 
 

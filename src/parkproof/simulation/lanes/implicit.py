@@ -17,6 +17,7 @@ from parkproof.laws.robustify import (
     implicit_surface,
     narrowed,
 )
+from parkproof.laws.turn import turn_channels
 from parkproof.simulation.compiler import OPTIONS
 
 from .buffer import (
@@ -73,6 +74,19 @@ def prepare(b, step, count, firsts, seen, p, law_channels):
             here = b[STEP + j] == step
             put(b, j, here, one, u0, p.phi1, p.kappa1)
             put(b, j + CHANNELS, here, two, u1, p.phi2, p.kappa2)
+
+
+@inlined
+def prepare_turn(b, count, firsts, pose, p):
+    """Laws and surfaces of both channels of lanes that turn."""
+    for i in range(count):
+        first = firsts[i] & (BLOCK - GROUP)
+        for j in range(first, first + GROUP):
+            theta, v, omega = pose(b, j)
+            one, two = turn_channels(theta + p.lookahead * omega, p)
+            here = b[STEP + j] == 0.0
+            put(b, j, here, one, v, p.phi1, p.kappa1)
+            put(b, j + CHANNELS, here, two, omega, p.phi2, p.kappa2)
 
 
 @inlined
@@ -147,5 +161,20 @@ def answer(b, step, count, firsts, seen, p, _law_channels, law_direct):
             _, y1, y2 = predicted(x0, x1, x2, u0, u1, p)
             tau2 = with_direct(tau2, law_direct(step, b[WAY + j], y1, y2, u1, p), p)
             here = b[STEP + j] == step
+            b[NEW1 + j] = tau1 if here else b[NEW1 + j]
+            b[NEW2 + j] = tau2 if here else b[NEW2 + j]
+
+
+@inlined
+def answer_turn(b, count, firsts, pose, p):
+    """Inputs of lanes that turn."""
+    for i in range(count):
+        first = firsts[i] & (BLOCK - GROUP)
+        for j in range(first, first + GROUP):
+            _, v, omega = pose(b, j)
+            end1, end2 = end_of(b, j), end_of(b, j + CHANNELS)
+            size1, size2 = b[SIZE + j], b[SIZE + CHANNELS + j]
+            tau1, tau2 = implicit_answers(end1, size1, end2, size2, v, omega, p)
+            here = b[STEP + j] == 0.0
             b[NEW1 + j] = tau1 if here else b[NEW1 + j]
             b[NEW2 + j] = tau2 if here else b[NEW2 + j]

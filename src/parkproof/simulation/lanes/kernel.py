@@ -25,9 +25,8 @@ import numpy as np
 from numba.extending import register_jitable
 
 from parkproof.laws.controller import RobotKind
-from parkproof.laws.inputs import explicit_inputs, implicit_inputs
 from parkproof.laws.table import law_named
-from parkproof.laws.turn import turn_channels, turned
+from parkproof.laws.turn import turned
 from parkproof.model.chained import chained_inputs
 from parkproof.model.unicycle import wrap_angle
 from parkproof.simulation.compiler import OPTIONS, register
@@ -185,12 +184,12 @@ def trials_of_a_block(
     law = law_named(law_name)
     law_begin, law_direction, law_switch = law.begin, law.direction, law.switch
     law_channels, law_direct, turns = law.channels, law.direct, law.turns
-    inputs = implicit_inputs if implicit else explicit_inputs
     known = exact and robot == "chained"
     seen = S0 if known else SEEN0
     X0, X1, X2, X3, X4 = range(seen, seen + 5 * BLOCK, BLOCK)
     form = implicit_form if implicit else explicit_form
     prepare, solve, answer = form.prepare, form.solve, form.answer
+    prepare_turn, answer_turn = form.prepare_turn, form.answer_turn
     must_be_seen = not known and not turns
     can_be_misled = robot == "chained" and not exact
     begin, look, pose, settle, pictured, gain, act, go, idle = parts_of(
@@ -211,6 +210,19 @@ def trials_of_a_block(
                 more = after != step or end_code(b, cameras, j, limits, turns, pictured) > 0.0
                 more = more or (must_be_seen and is_unseen(b, j))
                 found += 1 if here and more else 0
+        return found
+
+    @inlined
+    def turning_from(b, count, firsts, cameras, limits, p):
+        """Say of how many lanes that turn there is more to do: the turn is done, or the lane."""
+        found = 0
+        for i in range(count):
+            first = firsts[i] & (BLOCK - GROUP)
+            for j in range(first, first + GROUP):
+                theta, v, omega = pose(b, j)
+                more = turned(theta, v, omega, p) or abs(b[S2 + j]) >= math.pi
+                more = more or end_code(b, cameras, j, limits, turns, pictured) > 0.0
+                found += 1 if b[STEP + j] == 0.0 and more else 0
         return found
 
     @inlined
@@ -245,15 +257,6 @@ def trials_of_a_block(
                         b[WAY + j] = law_direction(b[X0 + j], b[X1 + j], b[X2 + j], b[X3 + j], p)
         return misled
 
-    @inlined
-    def command_turning(b, count, firsts, p):
-        for i in range(count):
-            for j in range(firsts[i], firsts[i] + GROUP):
-                if b[STEP + j] == 0.0:
-                    theta, v, omega = pose(b, j)
-                    one, two = turn_channels(theta + p.lookahead * omega, p)
-                    b[NEW1 + j], b[NEW2 + j] = inputs(one, two, v, omega, p)
-
     def carry_out(
         p, clock, limits, sensing, b, ring, counts, groups, tones, kinds, adversary, keys, cameras,
         out,
@@ -274,7 +277,9 @@ def trials_of_a_block(
                 + switch_from(b, 3.0, counts[3], groups[3], t, cameras, limits, p)
                 + switch_from(b, 4.0, counts[4], groups[4], t, cameras, limits, p)
             )
-            if more > 0 or counts[0] > 0 or k == 0:
+            if turns:
+                more += turning_from(b, counts[0], groups[0], cameras, limits, p)
+            if more > 0 or k == 0:
                 ended = mark_ends(b, cameras, limits, turns, pictured)
                 if must_be_seen:
                     ended += end_unseen(b)
@@ -282,12 +287,15 @@ def trials_of_a_block(
                 if ended > 0:
                     running -= hand_in(b, t, False, out, idle)
                 find_steps(b, counts, groups)
-            command_turning(b, counts[0], groups[0], p)
+            if turns:
+                prepare_turn(b, counts[0], groups[0], pose, p)
             prepare(b, 1.0, counts[1], groups[1], seen, p, law_channels)
             prepare(b, 2.0, counts[2], groups[2], seen, p, law_channels)
             prepare(b, 3.0, counts[3], groups[3], seen, p, law_channels)
             prepare(b, 4.0, counts[4], groups[4], seen, p, law_channels)
             solve(b)
+            if turns:
+                answer_turn(b, counts[0], groups[0], pose, p)
             answer(b, 1.0, counts[1], groups[1], seen, p, law_channels, law_direct)
             answer(b, 2.0, counts[2], groups[2], seen, p, law_channels, law_direct)
             answer(b, 3.0, counts[3], groups[3], seen, p, law_channels, law_direct)
@@ -307,6 +315,6 @@ def trials_of_a_block(
                 push(b, adversary)
             act(b, clock.period)
             step = (k + 1) * clock.period - t
-            go(b, cameras, counts[0] > 0, tones, kinds, t, step, clock.plant_steps, k == 0)
+            go(b, cameras, counts[0] > 0, tones, kinds, t, step, clock.plant_steps, k)
 
     return carry_out

@@ -12,7 +12,7 @@ from numba.extending import register_jitable
 from parkproof.laws.controller import RobotKind
 from parkproof.simulation.compiler import OPTIONS
 
-from . import image, plant, robots, sensor
+from . import image, plant, robots, sensor, signals
 from .buffer import S2, S3, S4
 
 inlined = register_jitable(forceinline=True, **OPTIONS)
@@ -40,7 +40,7 @@ class Parts(NamedTuple):
     act : callable
         (b, h): what robots are sent for τ.
     go : callable
-        (b, camera, turning, tones, kinds, t, h, steps, first): a control period.
+        (b, camera, turning, tones, kinds, t, h, steps, k): the k-th control period.
     idle : callable
         (b, j): let a lane that has ended stand still.
     """
@@ -103,9 +103,9 @@ def _chained(camera: bool, exact: bool, euler: bool) -> Parts:
     find_gains = image.find_gains if camera else nothing
     inside = image.image_step_in_chart if camera else plant.step_in_chart
     outside = image.image_step_outside if camera else plant.step_outside
-    go = plant.advancing(plant.signals_of_step, inside, outside)
+    go = plant.advancing(signals.signals_of_step, inside, outside)
     if euler:
-        go = plant.advancing(plant.signals_at_start, plant.euler_in_chart, plant.euler_outside)
+        go = plant.advancing(signals.signals_at_start, plant.euler_in_chart, plant.euler_outside)
     see = sensor.see
 
     @inlined
@@ -151,8 +151,8 @@ def _own(robot: RobotKind, camera: bool, exact: bool) -> Parts:
         rely(b)
 
     @inlined
-    def go(b, camera, _turning, tones, kinds, t, h, steps, first):
-        advance(b, camera, tones, kinds, t, h, steps, first, rates, step)
+    def go(b, camera, _turning, tones, kinds, t, h, steps, k):
+        advance(b, camera, tones, kinds, t, h, steps, k, rates, step)
 
     return Parts(
         begin=begin,

@@ -1,4 +1,4 @@
-"""The plant of a block of lanes: signals, coordinates, and one control period of motion.
+"""The plant of a block of lanes: coordinates, and one control period of motion.
 
 Compiled code: ``b`` is the buffer of `parkproof.simulation.lanes.buffer`.
 """
@@ -8,13 +8,11 @@ import math
 from numba.extending import register_jitable
 
 from parkproof.model.chained import body_inputs, chained_inputs, extension_rate
-from parkproof.model.signals import tone_value
 from parkproof.scalar import sign
 from parkproof.simulation.compiler import OPTIONS
 from parkproof.simulation.steps import (
     chained_euler_step,
     chained_step,
-    time_in_period,
     turning_euler_step,
     turning_step,
 )
@@ -30,7 +28,6 @@ from .buffer import (
     GAMMA2,
     KEPT0,
     KEPT_PATH,
-    MEAN,
     MIDDLE,
     PATH,
     PHI1,
@@ -41,9 +38,6 @@ from .buffer import (
     S2,
     S3,
     S4,
-    SIGNALS,
-    SINES,
-    SQUARES,
     START,
     STEP,
     TAU1,
@@ -51,65 +45,6 @@ from .buffer import (
 )
 
 inlined = register_jitable(forceinline=True, **OPTIONS)
-
-
-@inlined
-def tone_at(tones, first, j, squares, t):
-    """Value of a lane's tone; where no lane has square waves, that is known before the loop."""
-    square = tones[first + 3 * BLOCK + j] if squares else 0.0
-    omega, phase = tones[first + BLOCK + j], tones[first + 2 * BLOCK + j]
-    return tone_value(tones[first + j], omega, phase, square, t)
-
-
-def _filling(rows):
-    """Make the function that writes the signals that vary into rows of a time.
-
-    Rows of constant signals are left alone. A step's end is the next one's start: where the rows
-    are those for the end, what they held becomes the start.
-    """
-
-    @inlined
-    def fill(b, tones, kinds, t):
-        """Fill the rows with all signals at a time."""
-        for i in range(SIGNALS):
-            row = i * BLOCK
-            for m in range(kinds.shape[1]):
-                kind, tone = kinds[i, m], (i * kinds.shape[1] + m) * 4 * BLOCK
-                if kind == SINES and m == 0:
-                    for j in range(BLOCK):
-                        if rows == END:
-                            b[START + row + j] = b[END + row + j]
-                        b[rows + row + j] = b[MEAN + row + j] + tone_at(tones, tone, j, False, t)
-                elif kind == SINES:
-                    for j in range(BLOCK):
-                        b[rows + row + j] += tone_at(tones, tone, j, False, t)
-                elif kind == SQUARES:
-                    for j in range(BLOCK):
-                        if rows == END and m == 0:
-                            b[START + row + j] = b[END + row + j]
-                        before = b[MEAN + row + j] if m == 0 else b[rows + row + j]
-                        b[rows + row + j] = before + tone_at(tones, tone, j, True, t)
-
-    return fill
-
-
-fill_start, fill_middle, fill_end = _filling(START), _filling(MIDDLE), _filling(END)
-
-
-@inlined
-def signals_of_step(b, tones, kinds, t, h, i, steps):
-    """Find signals at the middle and end of an integration step; its start is the last one's end.
-
-    The step with i = −1 comes before the first of all, and only its end matters.
-    """
-    fill_middle(b, tones, kinds, time_in_period(t, h, i, steps) + 0.5 * (h / steps))
-    fill_end(b, tones, kinds, time_in_period(t, h, i + 1, steps))
-
-
-@inlined
-def signals_at_start(b, tones, kinds, t, h, i, steps):
-    """Find signals at the start of an integration step, which is all that Euler's asks for."""
-    fill_start(b, tones, kinds, time_in_period(t, h, i, steps))
 
 
 @inlined
@@ -192,7 +127,7 @@ def euler_outside(b, _camera, j, state, one, two, h):
 
 @inlined
 def move(b, camera, j, state, row, h, rates, step):
-    """Move a lane from a state by one integration step, to rows from one on."""
+    """Move a lane from a state by one integration step, to rows from one on; say how far."""
     a1, a2 = rates(b, j, START)
     m1, m2 = rates(b, j, MIDDLE)
     e1, e2 = rates(b, j, END)
@@ -200,7 +135,7 @@ def move(b, camera, j, state, row, h, rates, step):
     b[row + j], b[row + BLOCK + j], b[row + 2 * BLOCK + j] = n0, n1, n2
     b[row + 3 * BLOCK + j], b[row + 4 * BLOCK + j] = n3, n4
     s0, s1, _, _, _ = state
-    b[PATH + j] += math.sqrt((n0 - s0) * (n0 - s0) + (n1 - s1) * (n1 - s1))
+    return math.sqrt((n0 - s0) * (n0 - s0) + (n1 - s1) * (n1 - s1))
 
 
 @inlined
@@ -215,28 +150,31 @@ def state_at(b, j, row):
 def advancing(find_signals, inside, outside):
     """Make the function that moves all lanes by one control period.
 
-    Before the first, it finds the signals at its start. ``find_signals`` is one of those above;
-    ``inside`` and ``outside`` are integration steps in the chart and outside it.
+    Before the first, it finds the signals at its start. ``find_signals`` is one of
+    `parkproof.simulation.lanes.signals`; ``inside`` and ``outside`` are integration steps in the
+    chart and outside it.
     """
 
     @inlined
-    def advance(b, camera, turning, tones, kinds, t, h, steps, first):
+    def advance(b, camera, turning, tones, kinds, t, h, steps, k):
         part = h / steps
-        for i in range(-1 if first else 0, steps):
-            find_signals(b, tones, kinds, t, h, i, steps)
+        for i in range(-1 if k == 0 else 0, steps):
+            find_signals(b, tones, kinds, t, h, i, steps, k)
             if i >= 0:
-                if turning:  # the loop for lanes in the chart takes all along, and is then undone
+                if turning:  # each lane is moved both ways, and then one of them counts
                     for j in range(BLOCK):
-                        for k in range(5):
-                            b[KEPT0 + k * BLOCK + j] = b[S0 + k * BLOCK + j]
-                        b[KEPT_PATH + j] = b[PATH + j]
+                        length = move(
+                            b, camera, j, state_at(b, j, S0), KEPT0, part, input_rates, outside
+                        )
+                        b[KEPT_PATH + j] = b[PATH + j] + length
                 for j in range(BLOCK):
-                    move(b, camera, j, state_at(b, j, S0), S0, part, input_rates, inside)
+                    length = move(b, camera, j, state_at(b, j, S0), S0, part, input_rates, inside)
+                    b[PATH + j] += length
                 if turning:
                     for j in range(BLOCK):
-                        if b[CHART + j] == 0.0:
-                            b[PATH + j] = b[KEPT_PATH + j]
-                            state = state_at(b, j, KEPT0)
-                            move(b, camera, j, state, S0, part, input_rates, outside)
+                        out = b[CHART + j] == 0.0
+                        b[PATH + j] = b[KEPT_PATH + j] if out else b[PATH + j]
+                        for row in range(0, 5 * BLOCK, BLOCK):
+                            b[S0 + row + j] = b[KEPT0 + row + j] if out else b[S0 + row + j]
 
     return advance

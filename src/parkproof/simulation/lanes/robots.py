@@ -33,6 +33,7 @@ from .buffer import (
     OWN2,
     OWN3,
     OWN4,
+    PATH,
     POSE0,
     POSE1,
     POSE2,
@@ -58,13 +59,9 @@ from .buffer import (
     TAU2,
 )
 from .image import homography_of
-from .plant import (
-    disturbed,
-    move,
-    signals_of_step,
-    state_at,
-)
+from .plant import disturbed, move, state_at
 from .sensor import take
+from .signals import signals_of_step
 
 inlined = register_jitable(forceinline=True, **OPTIONS)
 
@@ -229,11 +226,12 @@ def no_rates(_b, _j, _row):
 
 
 @inlined
-def advance_robots(b, camera, tones, kinds, t, h, steps, first, rates, step):
+def advance_robots(b, camera, tones, kinds, t, h, steps, k, rates, step):
     """Move all robots by one control period; before the first, find the signals at its start."""
     part = h / steps
-    for i in range(-1 if first else 0, steps):
-        signals_of_step(b, tones, kinds, t, h, i, steps)
+    for i in range(-1 if k == 0 else 0, steps):
+        signals_of_step(b, tones, kinds, t, h, i, steps, k)
         if i >= 0:
             for j in range(BLOCK):
-                move(b, camera, j, state_at(b, j, OWN0), OWN0, part, rates, step)
+                length = move(b, camera, j, state_at(b, j, OWN0), OWN0, part, rates, step)
+                b[PATH + j] += length

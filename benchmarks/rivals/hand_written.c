@@ -3,7 +3,7 @@
  * The corrected law in its explicit form, three steps and holding with guards and hysteresis, four
  * sinusoidal signals, all metrics, eight trials a register. Sines by rotation, own power function,
  * powers that no trial of a register needs left out. Starts inside the chart only. Compiled by
- * benchmarks/lanes.py, with the plant by Euler's method or (rk4 != 0) by Runge and Kutta's.
+ * hand_written.py, with the plant by Euler's method or (rk4 != 0) by Runge and Kutta's.
  */
 #include <immintrin.h>
 #include <math.h>

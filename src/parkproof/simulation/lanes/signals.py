@@ -1,0 +1,164 @@
+"""Signals of a block of lanes: sines found by rotation, from one time to the next.
+
+A wave at an integration step's middle and end is that at its start, turned on by the angle of half
+a step. Every `RENEWED` steps sine and cosine are worked out anew, so that roundings do not add up.
+Square waves, which jump where a sine passes through 0, are worked out each time.
+
+Compiled code: ``b`` is the buffer of `parkproof.simulation.lanes.buffer`, ``tones`` that of
+`parkproof.simulation.lanes.first.all_tones`.
+"""
+
+from numba.extending import register_jitable
+
+from parkproof.model.signals import tone_value
+from parkproof.scalar import cosine, rotated, sine
+from parkproof.simulation.compiler import OPTIONS
+from parkproof.simulation.steps import time_in_period
+
+from .buffer import (
+    BLOCK,
+    COSINE,
+    END,
+    MEAN,
+    MIDDLE,
+    OMEGA,
+    PHASE,
+    SIGNALS,
+    SINE,
+    SQUARE,
+    SQUARES,
+    START,
+    TONE,
+    TURN_COSINE,
+    TURN_SINE,
+    UNUSED,
+)
+
+inlined = register_jitable(forceinline=True, **OPTIONS)
+
+RENEWED = 32
+"""Integration steps after which waves are worked out anew."""
+
+
+@inlined
+def prepare_turns(tones, kinds, part):
+    """Find by which rotations waves go on by a part of a second."""
+    for i in range(SIGNALS):
+        for m in range(kinds.shape[1]):
+            if kinds[i, m] != UNUSED:
+                tone = (i * kinds.shape[1] + m) * TONE
+                for j in range(tone, tone + BLOCK):
+                    angle = tones[OMEGA + j] * part
+                    tones[TURN_SINE + j], tones[TURN_COSINE + j] = sine(angle), cosine(angle)
+
+
+@inlined
+def renew(tones, kinds, t):
+    """Work sines and cosines out."""
+    for i in range(SIGNALS):
+        for m in range(kinds.shape[1]):
+            if kinds[i, m] != UNUSED:
+                tone = (i * kinds.shape[1] + m) * TONE
+                for j in range(tone, tone + BLOCK):
+                    angle = tones[OMEGA + j] * t + tones[PHASE + j]
+                    tones[SINE + j], tones[COSINE + j] = sine(angle), cosine(angle)
+
+
+@inlined
+def value_of(tones, j, wave, squares, t):
+    """Value of a lane's tone whose sine is known, at a time.
+
+    Where no lane has square waves, that is known before the loop.
+    """
+    if not squares:
+        return tones[j] * wave
+    square = tone_value(tones[j], tones[OMEGA + j], tones[PHASE + j], 1.0, t)
+    return square if tones[SQUARE + j] > 0.0 else tones[j] * wave
+
+
+@inlined
+def add(b, tones, i, m, tone, squares, rows, t):
+    """Add what a tone is at a time to rows of signals."""
+    row = i * BLOCK
+    for j in range(BLOCK):
+        before = b[MEAN + row + j] if m == 0 else b[rows + row + j]
+        b[rows + row + j] = before + value_of(tones, tone + j, tones[tone + SINE + j], squares, t)
+
+
+@inlined
+def signals_at(b, tones, kinds, rows, t):
+    """Find all signals that vary at the time of the present waves; the rows of others stay."""
+    for i in range(SIGNALS):
+        for m in range(kinds.shape[1]):
+            tone = (i * kinds.shape[1] + m) * TONE
+            if kinds[i, m] == SQUARES:
+                add(b, tones, i, m, tone, True, rows, t)
+            elif kinds[i, m] != UNUSED:
+                add(b, tones, i, m, tone, False, rows, t)
+
+
+@inlined
+def go_on(b, tones, i, m, tone, squares, middle, end):
+    """Turn a tone's waves to a step's middle and end, and add what they are there."""
+    row = i * BLOCK
+    for j in range(BLOCK):
+        k = tone + j
+        turn_s, turn_c = tones[TURN_SINE + k], tones[TURN_COSINE + k]
+        s, c = rotated(tones[SINE + k], tones[COSINE + k], turn_s, turn_c)
+        s_end, c_end = rotated(s, c, turn_s, turn_c)
+        tones[SINE + k], tones[COSINE + k] = s_end, c_end
+        if m == 0:
+            b[START + row + j] = b[END + row + j]
+        before = b[MEAN + row + j]
+        at_middle = before if m == 0 else b[MIDDLE + row + j]
+        at_end = before if m == 0 else b[END + row + j]
+        b[MIDDLE + row + j] = at_middle + value_of(tones, k, s, squares, middle)
+        b[END + row + j] = at_end + value_of(tones, k, s_end, squares, end)
+
+
+@inlined
+def signals_of_step(b, tones, kinds, t, h, i, steps, k):
+    """Find signals at the middle and end of an integration step; its start is the last one's end.
+
+    The step with i = −1 comes before the first of all, and only its end matters.
+    """
+    part = h / steps
+    start = time_in_period(t, h, max(i, 0), steps)
+    if i < 0:
+        prepare_turns(tones, kinds, 0.5 * part)
+    if i < 0 or (k * steps + i) % RENEWED == 0:
+        renew(tones, kinds, start)
+    if i < 0:
+        signals_at(b, tones, kinds, END, start)
+    else:
+        middle, end = start + 0.5 * part, time_in_period(t, h, i + 1, steps)
+        for signal in range(SIGNALS):
+            for m in range(kinds.shape[1]):
+                tone = (signal * kinds.shape[1] + m) * TONE
+                if kinds[signal, m] == SQUARES:
+                    go_on(b, tones, signal, m, tone, True, middle, end)
+                elif kinds[signal, m] != UNUSED:
+                    go_on(b, tones, signal, m, tone, False, middle, end)
+
+
+@inlined
+def signals_at_start(b, tones, kinds, t, h, i, steps, k):
+    """Find signals at the start of an integration step, which is all that Euler's asks for."""
+    part = h / steps
+    start = time_in_period(t, h, max(i, 0), steps)
+    if i < 0:
+        prepare_turns(tones, kinds, part)
+    elif (k * steps + i) % RENEWED == 0:
+        renew(tones, kinds, start)
+    else:
+        for signal in range(SIGNALS):
+            for m in range(kinds.shape[1]):
+                if kinds[signal, m] != UNUSED:
+                    tone = (signal * kinds.shape[1] + m) * TONE
+                    for j in range(tone, tone + BLOCK):
+                        tones[SINE + j], tones[COSINE + j] = rotated(
+                            tones[SINE + j], tones[COSINE + j], tones[TURN_SINE + j],
+                            tones[TURN_COSINE + j],
+                        )  # fmt: skip
+    if i >= 0:
+        signals_at(b, tones, kinds, START, start)
