@@ -23,10 +23,9 @@ ROUNDER_BITS = 0x4338000000000000
 SQRT_HALF_BITS = 0x3FE6A09E667F3BCD
 SMALLEST_NORMAL = 2.2250738585072014e-308
 
-# log2(m)/f as a polynomial in f², f = (m − 1)/(m + 1), m from √½ to √2
+# log2(1 + z)/z, z from √½ − 1 to √2 − 1
 LOG = (
-    2.885390081777927, 0.9617966939243335, 0.5770780172467822, 0.4121984019742357,
-    0.3206163935263423, 0.26144407006393944, 0.2429183013526297,
+    1.442695040888961, -0.7213475204444744, 0.48089834696635186, -0.36067376022931874, 0.2885390074459846, -0.2404491717654101, 0.20609935165660867, -0.1803370456075891, 0.16029707750652847, -0.14426173158514688, 0.13120223089953834, -0.12041875891128528, 0.11051433445433557, -0.10044652934071209, 0.09704605528122602, -0.10715965704794954, 0.10097695102587106, -0.04694320952454281,
 )  # fmt: skip
 # 2^r for |r| ≤ ½
 EXP = (
@@ -79,12 +78,16 @@ def _spow_polynomial(x: float, p: float) -> float:
     bits = bits_of(size)
     exponent = (bits - SQRT_HALF_BITS) >> 52
     m = double_of(bits - (exponent << 52))
-    f = (m - 1.0) / (m + 1.0)
-    g = f * f
-    g2 = g * g
-    low = fused(fused(LOG[3], g, LOG[2]), g2, fused(LOG[1], g, LOG[0]))
-    high = fused(LOG[6], g2, fused(LOG[5], g, LOG[4]))
-    log2 = fused(f, fused(high, g2 * g2, low), double_of(exponent + ROUNDER_BITS) - ROUNDER)
+    z = m - 1.0  # divisions are slow: a longer polynomial is quicker than one in z/(z + 2)
+    z2 = z * z
+    z4 = z2 * z2
+    a = fused(fused(LOG[3], z, LOG[2]), z2, fused(LOG[1], z, LOG[0]))
+    b = fused(fused(LOG[7], z, LOG[6]), z2, fused(LOG[5], z, LOG[4]))
+    c = fused(fused(LOG[11], z, LOG[10]), z2, fused(LOG[9], z, LOG[8]))
+    d = fused(fused(LOG[15], z, LOG[14]), z2, fused(LOG[13], z, LOG[12]))
+    e = fused(LOG[17], z, LOG[16])
+    series = fused(fused(fused(fused(e, z4, d), z4, c), z4, b), z4, a)
+    log2 = fused(z, series, double_of(exponent + ROUNDER_BITS) - ROUNDER)
 
     y = max(-1021.0, min(1023.0, p * log2))
     shifted = y + ROUNDER

@@ -142,23 +142,32 @@ def signals_of_step(b, tones, kinds, t, h, i, steps, k):
 
 
 @inlined
+def start_and_go_on(b, tones, i, m, tone, squares, start):
+    """Add what a tone is at a step's start, and turn its waves to the step's end."""
+    row = i * BLOCK
+    for j in range(BLOCK):
+        k = tone + j
+        s, c = tones[SINE + k], tones[COSINE + k]
+        before = b[MEAN + row + j] if m == 0 else b[START + row + j]
+        b[START + row + j] = before + value_of(tones, k, s, squares, start)
+        tones[SINE + k], tones[COSINE + k] = rotated(
+            s, c, tones[TURN_SINE + k], tones[TURN_COSINE + k]
+        )
+
+
+@inlined
 def signals_at_start(b, tones, kinds, t, h, i, steps, k):
     """Find signals at the start of an integration step, which is all that Euler's asks for."""
-    part = h / steps
     start = time_in_period(t, h, max(i, 0), steps)
     if i < 0:
-        prepare_turns(tones, kinds, part)
-    elif (k * steps + i) % RENEWED == 0:
-        renew(tones, kinds, start)
+        prepare_turns(tones, kinds, h / steps)
     else:
+        if (k * steps + i) % RENEWED == 0:
+            renew(tones, kinds, start)
         for signal in range(SIGNALS):
             for m in range(kinds.shape[1]):
-                if kinds[signal, m] != UNUSED:
-                    tone = (signal * kinds.shape[1] + m) * TONE
-                    for j in range(tone, tone + BLOCK):
-                        tones[SINE + j], tones[COSINE + j] = rotated(
-                            tones[SINE + j], tones[COSINE + j], tones[TURN_SINE + j],
-                            tones[TURN_COSINE + j],
-                        )  # fmt: skip
-    if i >= 0:
-        signals_at(b, tones, kinds, START, start)
+                tone = (signal * kinds.shape[1] + m) * TONE
+                if kinds[signal, m] == SQUARES:
+                    start_and_go_on(b, tones, signal, m, tone, True, start)
+                elif kinds[signal, m] != UNUSED:
+                    start_and_go_on(b, tones, signal, m, tone, False, start)
