@@ -4,10 +4,10 @@ Run it from the repository root::
 
     python benchmarks/million.py [--trials 1000000] [--out campaigns/million]
 
-It carries out the campaign paper_bounds.toml four times, and the template of "parkproof init --kind
-campaign", whose robots start with any heading and turn first. Each leaves its report; then the table
-of docs/campaigns.md is printed, and its picture drawn. Stopped at any moment, the same command goes
-on.
+It carries out the campaign paper_bounds.toml four times, and once the template of "parkproof init
+--kind campaign", whose robots start with any heading and turn first. Each leaves its report; then
+the table of docs/campaigns.md is printed, and its picture drawn. Stopped at any moment, the same
+command goes on.
 """
 
 import argparse

@@ -184,11 +184,11 @@ def _carry_out(shared: Shared, trials: Trials, threads: int, **kind: Unpack[Kern
 
     with _ONE_AT_A_TIME:
         kernel = kernel_of(**kind)
-    arrays = trials.arrays
+    arrays, order = trials.arrays, _side_by_side(trials)
 
     def block(begin: int) -> Floats:
         # the last block is filled up with its last trial
-        lanes = np.minimum(np.arange(begin, begin + BLOCK), len(trials) - 1)
+        lanes = order[np.minimum(np.arange(begin, begin + BLOCK), len(trials) - 1)]
         parts = [np.ascontiguousarray(a[..., lanes]) for a in arrays]
         rows = np.empty((len(RESULTS), BLOCK))
         kernel(*shared, *parts, rows)
@@ -196,8 +196,22 @@ def _carry_out(shared: Shared, trials: Trials, threads: int, **kind: Unpack[Kern
 
     with ThreadPoolExecutor(threads) as pool:
         blocks = list(pool.map(block, range(0, len(trials), BLOCK)))
-    return np.hstack(blocks)[:, : len(trials)]
+    rows = np.empty((len(RESULTS), len(trials)))
+    rows[:, order] = np.hstack(blocks)[:, : len(trials)]
+    return rows
 
+
+def _side_by_side(trials: Trials) -> NDArray[np.intp]:
+    """An order in which neighbours are mostly in the same step; results do not depend on it.
+
+    Those that will turn come last, and then it is |y| that says how long the approach takes.
+    """
+    turns = (trials.in_chart == 0.0) & (np.abs(trials.state[2]) > OFTEN_TURNED)
+    return np.lexsort((np.abs(trials.state[1]), turns))
+
+
+OFTEN_TURNED = math.radians(80.0)
+"""Headings beyond this are turned first, unless a scenario sets another limit of the chart."""
 
 _ENDS = np.array(
     [
