@@ -56,12 +56,12 @@ KINDS = (
 
 
 class Found(NamedTuple):
-    """What a campaign came to: outcomes, times of those that parked, residuals, and its cost."""
+    """What a campaign came to: outcomes, times of those that parked, residuals, and wall time."""
 
     outcomes: dict[str, int]
     totals: NDArray[np.float64]
     residuals: NDArray[np.float64]
-    seconds: float
+    seconds: float | None
 
 
 def carried_out(kind: Kind, out: Path, trials: int) -> Found:
@@ -72,12 +72,13 @@ def carried_out(kind: Kind, out: Path, trials: int) -> Found:
         file.write_text(template("campaign"), encoding="utf-8")
     campaign = read_campaign(file, overrides=[*kind.settings, f"trials={trials}"])
     directory = out / kind.folder
+    resumed = bool(written_ranges(directory)) if directory.exists() else False
     begin = time.perf_counter()
     with counted(kind.name, quiet=False) as count:
         run_campaign(campaign, directory, threads=processors(), progress=count)
     with progress(quiet=False) as report:
         write_report(directory, threads=processors(), progress=report)
-    seconds = time.perf_counter() - begin
+    seconds = None if resumed else time.perf_counter() - begin
     totals, residuals = [], []
     for first, last in written_ranges(directory):
         rows = read_rows(
@@ -104,7 +105,7 @@ def report(found: dict[str, Found], trials: int) -> None:
             f"{100 * success.low:.4f} to {100 * success.high:.4f} %",
             "median {:.2f}, 99 % {:.2f}, most {:.2f}".format(*quantiles),
             others or "none",
-            f"{seconds:.0f}",
+            "resumed" if seconds is None else f"{seconds:.0f}",
         )
     Console(width=160).print(table)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
@@ -127,7 +128,7 @@ def draw(found: dict[str, Found], path: Path) -> None:
             if known.size:
                 right.plot(np.quantile(known, shares), 100.0 * shares, **line)
         left.set(xlabel="time in s", ylabel="parked by then, %", xlim=(0.0, 15.0), ylim=(0, 101))
-        right.set(xscale="log", xlabel="largest error in the last second", ylabel="trials below, %")
+        right.set(xscale="log", xlabel="largest error in the last 2 s", ylabel="trials below, %")
         right.set(ylim=(0, 101))
         handles, labels = left.get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False)

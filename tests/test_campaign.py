@@ -283,6 +283,24 @@ def test_a_directory_of_something_else_is_refused(capsys: pytest.CaptureFixture[
     assert "cannot write to /proc/out" in error
 
 
+def test_rows_without_a_record_are_not_taken_for_those_of_this_campaign(
+    again: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = names_in(again / "trials")
+    (again / "campaign.json").unlink()
+    error = refused(capsys, "campaign", "campaign.toml", "--out", again, "--set", "seed=6")
+    assert "holds rows of trials, but no campaign.json" in error
+    assert names_in(again / "trials") == before
+
+
+def test_a_folder_that_cannot_be_made_is_named(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("out").mkdir()
+    for name in (".lock", "trials"):
+        Path("out", name).touch()
+    error = refused(capsys, "campaign", "campaign.toml", "--out", "out")
+    assert "cannot write to out: " in error
+
+
 def test_a_foreign_or_damaged_file_among_the_rows_is_named(
     again: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -323,6 +341,10 @@ def test_two_processes_do_not_write_to_one_directory(
         (["--set", "trails=3"], "did you mean trials?"),
         (["--set", "run.duration=-1"], "duration = -1.0: must be greater than 0"),
         (["--set", "bounds.alpha=[0.7, 1.0]"], "outside its bounds"),
+        (
+            ["--set", 'distributions={"run.seed" = {kind = "choice", values = ["a", "b"]}}'],
+            "a seed is a whole number; write whole numbers",
+        ),
     ],
 )
 def test_what_cannot_be_carried_out_is_refused_before_anything_is_written(

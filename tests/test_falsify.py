@@ -237,7 +237,8 @@ BAD = [
     (["scenario.toml", "--box", "wide"], "--box wide: must be numbers"),
     (["scenario.toml", "--box", "1,1,1,1,1,1"], "has 6 numbers; a start has 5"),
     (["scenario.toml", "--box", "-1"], "--box"),
-    (["scenario.toml", "--box", "0,0,0,1e6"], "a corner of the box of starts"),
+    (["scenario.toml", "--box", "0,0,0,1e6"], "a start in the box"),
+    (["published.toml", "--box", "0,0,6.28"], "a start in the box"),
     (
         ["scenario.toml", "--objective", "speed"],
         'no claim is called "speed"; choose of: total_time',
@@ -255,6 +256,7 @@ BAD = [
 @pytest.mark.parametrize(("words", "said"), BAD)
 def test_bad_input_is_said_in_one_line(certificate, here, capsys, words, said):
     (here / "scenario.toml").write_text(to_toml(scenario()))
+    (here / "published.toml").write_text(to_toml(scenario(law="published")))
     (here / "certain.toml").write_text(to_toml(scenario(bounds=Bounds())))
     (here / "broken.json").write_text("{")
     written(certificate, here / "certificate.json")

@@ -205,6 +205,19 @@ def test_a_lane_depends_neither_on_its_place_nor_on_its_company(
         assert differing(simulate_ensemble([given[i]]), results, [i]) == []
 
 
+def test_the_largest_heading_of_a_robot_does_not_depend_on_its_company() -> None:
+    """With noise and latency a robot drives while its heading is still beyond 90 degrees."""
+    given = [
+        scenario("velocity", None, "homogeneous", "implicit", True, seed=i, duration=0.05,
+                 start=Start(pose=(-0.5, 0.1, 1.5 + 0.001 * i), velocity=(0.1, 2.0)))
+        for i in range(64)
+    ]  # fmt: skip
+    together = simulate_ensemble(given)
+    assert max(together["max_heading"]) > 0.5 * math.pi
+    alone = [simulate_ensemble([one])["max_heading"][0] for one in given]
+    assert alone == list(together["max_heading"])
+
+
 # ------------------------------------------------------------------------------- trials
 
 

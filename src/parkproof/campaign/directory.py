@@ -6,6 +6,7 @@ that is killed at any moment leaves only whole files.
 """
 
 import contextlib
+import errno
 import hashlib
 import json
 import os
@@ -141,18 +142,24 @@ def open_directory(path: Path, plain: dict[str, Any]) -> Iterator[CampaignDirect
         (path / PARTS).mkdir(parents=True, exist_ok=True)
         lock = (path / LOCK).open("ab")
     except OSError as error:
-        raise InputError(
-            f"cannot write to {path}: {error.strerror or error}; choose another directory"
-        ) from error
+        raise _unwritable(path, error) from error
     with lock:
         _lock(lock.fileno(), path)
         record = read_record(path) if (path / RECORD).exists() else None
         if record is not None:
             _check_same(path, record, plain)
-        for part in (path / PARTS).iterdir():  # of a process that was killed
-            part.unlink()
-        (path / TRIALS).mkdir(exist_ok=True)
+        try:
+            for part in (path / PARTS).iterdir():  # of a process that was killed
+                part.unlink()
+            (path / TRIALS).mkdir(exist_ok=True)
+        except OSError as error:
+            raise _unwritable(path, error) from error
         opened = CampaignDirectory(path, plain)
+        if record is None and opened.written:
+            raise InputError(
+                f"{path} holds rows of trials, but no {RECORD} that says of which campaign; choose "
+                "another directory"
+            )
         last = opened.written[-1][1] if opened.written else 0
         if last > plain["trials"]:
             raise InputError(
@@ -274,6 +281,11 @@ def _difference(there: Any, asked: Any, key: str = "") -> str | None:
     return f"{key} is {was} there and {now} here"
 
 
+def _unwritable(path: Path, error: OSError) -> InputError:
+    reason = error.strerror or error
+    return InputError(f"cannot write to {path}: {reason}; choose another directory")
+
+
 def _lock(descriptor: int, path: Path) -> None:
     """Keep other processes out until the file is closed, also by being killed."""
     try:
@@ -286,6 +298,8 @@ def _lock(descriptor: int, path: Path) -> None:
 
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError as error:
+        if error.errno not in {errno.EACCES, errno.EAGAIN, errno.EDEADLK}:
+            raise _unwritable(path, error) from error
         raise InputError(
             f"{path}: another process is carrying this campaign out; wait for it, stop it, or "
             "choose another directory"

@@ -346,7 +346,7 @@ def _check_whole(quantity: Quantity, name: str) -> None:
         given = distribution.ends
         if distribution.__struct_config__.tag != "uniform":
             raise InputError(f'{name}: a seed is a whole number; write kind = "uniform"')
-    if any(float(value) % 1.0 for value in given):
+    if any(isinstance(v, bool) or not isinstance(v, int | float) or v % 1.0 for v in given):
         raise InputError(f"{name}: a seed is a whole number; write whole numbers")
 
 

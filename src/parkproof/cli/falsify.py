@@ -108,20 +108,28 @@ def falsify(
         )
         broken = [one for one in found.worst if one.broken]
         again = [one.size for one in broken]
-        if target.proved and not found.interrupted:
+        interrupted = found.interrupted
+        if target.proved and not interrupted:
             report("sampling more finely", 1.0)
-            again = finer(broken)
+            try:
+                again = finer(broken)
+            except KeyboardInterrupt:
+                interrupted = True
         alarms = [one for one, size in zip(broken, again, strict=True) if size > one.claim.bound]
         worst = nearest(alarms or broken or [one for one in found.worst if one.claim in objectives])
         write_file(out, to_toml(worst.scenario), overwrite=overwrite)
-        if not found.interrupted:
+        replay = None
+        if not interrupted:
             report("running the worst again", 1.0)
-        replay = None if found.interrupted else replayed(worst)
+            try:
+                replay = replayed(worst)
+            except KeyboardInterrupt:
+                interrupted = True
     if not quiet:
         console = stdout_console()
         print_falsification(console, found, target, again)
         print_replay(console, worst, replay, out)
-    if found.interrupted:
+    if interrupted:
         return 130
     return 1 if alarms else 0
 

@@ -1,5 +1,6 @@
 """What a search may choose: starts in a box and truths within bounds, as points of a unit cube."""
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -238,18 +239,26 @@ def space_of_scenario(scenario: Scenario, *, box: Sequence[float] = ()) -> Searc
 
 
 def _check_corners(space: SearchSpace) -> None:
-    """Check that a run can start anywhere in the box: it can if it can at its corners."""
-    free = space.free
-    for corner in range(2 ** len(free)):
-        place = [low for low, _ in space.starts]
-        for bit, i in enumerate(free):
-            place[i] = space.starts[i][corner >> bit & 1]
+    """Check that a run can start anywhere in the box: at its corners, and with headings between.
+
+    A law that does not turn takes no heading beyond ±90°, and a box can be a whole turn wide.
+    """
+    heading = 2 if space.base.start.state is None else None
+    probes = [_probes(low, high, turn=i == heading) for i, (low, high) in enumerate(space.starts)]
+    for corner in itertools.product(*probes):
+        place = list(corner)
         try:
             msgspec.structs.replace(space.base, start=start_of(space.base.start, place))
         except InputError as error:
-            raise InputError(
-                f"a corner of the box of starts: {error}; or make it smaller"
-            ) from error
+            raise InputError(f"a start in the box: {error}; or make the box smaller") from error
+
+
+def _probes(low: float, high: float, *, turn: bool) -> tuple[float, ...]:
+    """Values of a number of the start that are checked."""
+    if low == high:
+        return (low,)
+    between = min(math.ceil(high - low), 7) if turn else 1
+    return (low, high, *(low + i for i in range(1, between)))
 
 
 def space_of_certificate(certificate: dict[str, Any], run: RunSettings) -> SearchSpace:

@@ -303,7 +303,9 @@ def trials_of_a_block(
             if k == 0:
                 for j in range(BLOCK):
                     b[TAU1 + j], b[TAU2 + j] = b[NEW1 + j], b[NEW2 + j]
-            measure(b, t >= clock.residual_from, counts[4] > 0, counts[0] > 0, gain)
+            # robots of their own kind can be seen beyond ±90° in any step
+            heading = robot != "chained" or counts[0] > 0
+            measure(b, t >= clock.residual_from, counts[4] > 0, heading, gain)
             ended = end_beyond_limits(b, limits, gain) if limited else 0
             last = k == clock.samples
             if ended > 0 or last:

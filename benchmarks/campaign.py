@@ -1,0 +1,82 @@
+"""Wall time of a campaign: on one thread, on two, and on two workers of a cluster over TCP.
+
+    python benchmarks/campaign.py [--trials 65536] [--rounds 3]
+
+The campaign is paper_bounds.toml in the explicit form, without its report. Ratios are taken round
+by round; their medians are printed. It needs the extra "cluster".
+"""
+
+import argparse
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from rich.progress import track
+
+from parkproof.campaign.definition import read_campaign
+from parkproof.campaign.run import run_campaign
+
+BOUNDS = Path(__file__).with_name("paper_bounds.toml")
+PORT = 18786
+ADDRESS = f"tcp://127.0.0.1:{PORT}"
+
+
+@contextmanager
+def cluster(workers: int) -> Iterator[None]:
+    """A scheduler and workers of one thread each, as processes of their own."""
+    dask = [sys.executable, "-m", "dask"]
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    scheduler = [*dask, "scheduler", "--host", "127.0.0.1", "--port", str(PORT), "--no-dashboard"]
+    worker = [*dask, "worker", ADDRESS, "--nthreads", "1", "--no-dashboard"]
+    commands = [scheduler, *[worker] * workers]
+    running = [subprocess.Popen(command, **quiet) for command in commands]  # type: ignore[call-overload]
+    try:
+        yield
+    finally:
+        for process in reversed(running):
+            process.terminate()
+        for process in running:
+            process.wait()
+
+
+def seconds(trials: int, *, threads: int = 1, scheduler: str | None = None) -> float:
+    """Wall time of the campaign."""
+    campaign = read_campaign(BOUNDS, overrides=["run.discretisation=explicit", f"trials={trials}"])
+    with tempfile.TemporaryDirectory() as folder:
+        begin = time.perf_counter()
+        run_campaign(campaign, Path(folder) / "out", threads=threads, scheduler=scheduler)
+        return time.perf_counter() - begin
+
+
+def main() -> None:
+    """Time all three in turn."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--trials", type=int, default=65_536)
+    parser.add_argument("--rounds", type=int, default=3)
+    asked = parser.parse_args()
+    times: list[tuple[float, float, float]] = []
+    with cluster(2):
+        seconds(512)
+        seconds(512, scheduler=ADDRESS)
+        times.extend(
+            (
+                seconds(asked.trials),
+                seconds(asked.trials, threads=2),
+                seconds(asked.trials, scheduler=ADDRESS),
+            )
+            for _ in track(range(asked.rounds), description="rounds")
+        )
+    one, two, workers = (statistics.median(column) for column in zip(*times, strict=True))
+    print(f"{asked.trials} trials of 15 s at 1 ms, medians of {asked.rounds} rounds")
+    print(f"one thread {one:.1f} s, two {two:.1f} s, two workers {workers:.1f} s")
+    print(f"one thread / two: {statistics.median(a / b for a, b, _ in times):.2f}")
+    print(f"two workers / two threads: {statistics.median(c / b for _, b, c in times):.2f}")
+
+
+if __name__ == "__main__":
+    main()
