@@ -115,8 +115,9 @@ def report(found: dict[str, Found], trials: int) -> None:
 def draw(found: dict[str, Found], path: Path) -> None:
     """Draw which share has parked by which time, and how far those that ran to the end are off."""
     with drawing():
-        figure = new_figure(8.0, 3.4)
+        figure = new_figure(8.0, 3.8)
         left, right = figure.subplots(1, 2)
+        figure.subplots_adjust(left=0.08, right=0.97, top=0.97, bottom=0.31, wspace=0.25)
         for kind in KINDS:
             _, totals, residuals, _ = found[kind.name]
             line = {"color": kind.colour, "linestyle": kind.dashes, "label": kind.name}
@@ -131,7 +132,7 @@ def draw(found: dict[str, Found], path: Path) -> None:
         right.set(xscale="log", xlabel="largest error in the last 2 s", ylabel="trials below, %")
         right.set(ylim=(0, 101))
         handles, labels = left.get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False)
+        figure.legend(handles, labels, loc="lower center", ncols=3, frameon=False)
         save(figure, path)
 
 
