@@ -17,6 +17,7 @@ from parkproof.campaign.distributions import Choice, Constant, Continuous
 from parkproof.campaign.draw import WHOLE, settings_of
 from parkproof.campaign.lanes import can_differ
 from parkproof.errors import InputError
+from parkproof.model.unicycle import headings_to_check
 from parkproof.scenario import Scenario
 from parkproof.scenario_file import resolved, scenario_from_dict
 from parkproof.scenario_file.keys import Place
@@ -261,8 +262,7 @@ def probes_of(quantity: Quantity) -> tuple[Any, ...]:
     if quantity.place[-1] in WHOLE:
         return math.ceil(low), math.floor(high)
     if quantity.place == ("start", "pose", 2):
-        between = min(math.ceil(high - low), 7)  # radians; a turn has all headings
-        return (low, high, *(low + i for i in range(1, between)))
+        return headings_to_check(low, high)
     return low, high
 
 

@@ -14,6 +14,7 @@ from parkproof.bounds import Interval
 from parkproof.errors import InputError
 from parkproof.model.signals import Adversary, Constant, Signal, Sine, Square, Switched
 from parkproof.model.truth import Gain, Truth
+from parkproof.model.unicycle import headings_to_check
 from parkproof.report.measured import bounds_of, gains_of, start_at, switching_of
 from parkproof.scenario import RunSettings, Scenario, Start
 
@@ -244,21 +245,16 @@ def _check_corners(space: SearchSpace) -> None:
     A law that does not turn takes no heading beyond ±90°, and a box can be a whole turn wide.
     """
     heading = 2 if space.base.start.state is None else None
-    probes = [_probes(low, high, turn=i == heading) for i, (low, high) in enumerate(space.starts)]
+    probes = [
+        headings_to_check(*ends) if i == heading else dict.fromkeys(ends)
+        for i, ends in enumerate(space.starts)
+    ]
     for corner in itertools.product(*probes):
         place = list(corner)
         try:
             msgspec.structs.replace(space.base, start=start_of(space.base.start, place))
         except InputError as error:
             raise InputError(f"a start in the box: {error}; or make the box smaller") from error
-
-
-def _probes(low: float, high: float, *, turn: bool) -> tuple[float, ...]:
-    """Values of a number of the start that are checked."""
-    if low == high:
-        return (low,)
-    between = min(math.ceil(high - low), 7) if turn else 1
-    return (low, high, *(low + i for i in range(1, between)))
 
 
 def space_of_certificate(certificate: dict[str, Any], run: RunSettings) -> SearchSpace:

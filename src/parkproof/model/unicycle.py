@@ -76,6 +76,28 @@ def unicycle_rates(v: float, omega: float, c: float, s: float) -> tuple[float, f
     return v * c, v * s, omega
 
 
+def headings_to_check(low: float, high: float) -> tuple[float, ...]:
+    """Headings at which a range of them is checked: its ends and, as a turn has all, between.
+
+    Parameters
+    ----------
+    low, high : float
+        The range in rad.
+
+    Returns
+    -------
+    tuple of float
+        The ends, and headings a radian apart.
+
+    Examples
+    --------
+    >>> headings_to_check(-2.0, 1.5)
+    (-2.0, 1.5, -1.0, 0.0, 1.0)
+    """
+    between = min(math.ceil(high - low), 7)
+    return low, high, *(low + i for i in range(1, between))
+
+
 @scalar
 def wrap_angle(angle: float) -> float:
     """Angle in (−π, π] that differs from the given one by whole turns.

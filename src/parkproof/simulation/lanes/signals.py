@@ -77,24 +77,24 @@ def value_of(tones, j, wave, squares, t):
 
 
 @inlined
-def add(b, tones, i, m, tone, squares, rows, t):
-    """Add what a tone is at a time to rows of signals."""
+def add(b, tones, i, m, tone, squares, t):
+    """Add what a tone is at a time to the signals at a step's end."""
     row = i * BLOCK
     for j in range(BLOCK):
-        before = b[MEAN + row + j] if m == 0 else b[rows + row + j]
-        b[rows + row + j] = before + value_of(tones, tone + j, tones[tone + SINE + j], squares, t)
+        before = b[MEAN + row + j] if m == 0 else b[END + row + j]
+        b[END + row + j] = before + value_of(tones, tone + j, tones[tone + SINE + j], squares, t)
 
 
 @inlined
-def signals_at(b, tones, kinds, rows, t):
-    """Find all signals that vary at the time of the present waves; the rows of others stay."""
+def first_signals(b, tones, kinds, t):
+    """Find the signals that vary where the first step starts, as if another had ended there."""
     for i in range(SIGNALS):
         for m in range(kinds.shape[1]):
             tone = (i * kinds.shape[1] + m) * TONE
             if kinds[i, m] == SQUARES:
-                add(b, tones, i, m, tone, True, rows, t)
+                add(b, tones, i, m, tone, True, t)
             elif kinds[i, m] != UNUSED:
-                add(b, tones, i, m, tone, False, rows, t)
+                add(b, tones, i, m, tone, False, t)
 
 
 @inlined
@@ -129,7 +129,7 @@ def signals_of_step(b, tones, kinds, t, h, i, steps, k):
     if i < 0 or (k * steps + i) % RENEWED == 0:
         renew(tones, kinds, start)
     if i < 0:
-        signals_at(b, tones, kinds, END, start)
+        first_signals(b, tones, kinds, start)
     else:
         middle, end = start + 0.5 * part, time_in_period(t, h, i + 1, steps)
         for signal in range(SIGNALS):
