@@ -3,9 +3,10 @@
 from typing import Any
 
 from numba.core import codegen, config
-from numba.extending import register_jitable
+from numba.extending import overload
 
 from parkproof.scalar import MARKED
+from parkproof.simulation.inlining import InlinedCompiler, KernelCompiler
 
 OPTIONS: dict[str, Any] = {
     # numba's default error model leaves the loop at every division, and it stays scalar then
@@ -31,7 +32,61 @@ def _use_wide_registers() -> None:
 
 _use_wide_registers()
 
+_INLINED: dict[str, Any] = {"forceinline": True, **OPTIONS}
+_INLINED_HERE: dict[str, Any] = {
+    **_INLINED, "pipeline_class": InlinedCompiler, "no_cfunc_wrapper": True
+}  # fmt: skip
+
+KERNEL: dict[str, Any] = {"nogil": True, "pipeline_class": KernelCompiler, **OPTIONS}
+"""How a kernel is compiled for this computer's processor."""
+
 _REGISTERED: set[Any] = set()
+
+
+def replace(function: Any, make: Any) -> None:
+    """Have compiled code call what is made for a function in its place, inlined.
+
+    Parameters
+    ----------
+    function : callable
+        A function that compiled code names.
+    make : callable
+        Given the types of its arguments, what to compile.
+
+    Examples
+    --------
+    >>> def half(x):
+    ...     return x / 2.0
+    >>> replace(half, lambda x: lambda x: 0.5 * x)
+    """
+    # of these numba takes the first on this computer's processor, the second elsewhere
+    overload(function, jit_options=_INLINED_HERE, strict=False, target="cpu")(make)
+    overload(function, jit_options=_INLINED, strict=False)(make)
+
+
+def inlined(function: Any) -> Any:
+    """Hand a function to the compiler, to be inlined wherever compiled code calls it.
+
+    Parameters
+    ----------
+    function : callable
+        Of numbers and buffers.
+
+    Returns
+    -------
+    callable
+        The same.
+
+    Examples
+    --------
+    >>> @inlined
+    ... def half(x):
+    ...     return 0.5 * x
+    >>> half(3.0)
+    1.5
+    """
+    replace(function, lambda *_args, **_options: function)
+    return function
 
 
 def register() -> None:
@@ -47,8 +102,7 @@ def register() -> None:
 
     if not _REGISTERED:
         polynomials.replace_primitives()
-    inline = register_jitable(forceinline=True, **OPTIONS)
     for function in MARKED:
         if function not in _REGISTERED:
-            inline(function)
+            inlined(function)
             _REGISTERED.add(function)

@@ -12,10 +12,10 @@ from typing import Any
 
 from llvmlite import ir
 from numba import types
-from numba.extending import intrinsic, overload, register_jitable
+from numba.extending import intrinsic
 
 from parkproof.scalar import sine, spow, tangent
-from parkproof.simulation.compiler import OPTIONS
+from parkproof.simulation.compiler import inlined, replace
 
 ROUNDER = 6755399441055744.0
 """1.5·2⁵²: adding it to a number below 2⁵¹ rounds to an integer, held in the last bits."""
@@ -128,28 +128,11 @@ def _sine_polynomial(x: float) -> float:
 
 def replace_primitives() -> None:
     """Give the primitives these forms in compiled code."""
-    options = {"forceinline": True, **OPTIONS}
-    inline = register_jitable(**options)
-    power, wave = inline(_spow_polynomial), inline(_sine_polynomial)
+    power, wave = inlined(_spow_polynomial), inlined(_sine_polynomial)
 
-    # numba compares the argument lists of both functions, annotations included: hence Any on both
-    @overload(spow, jit_options=options)
-    def choose_power(x: Any, p: Any) -> Any:  # noqa: ARG001
-        def polynomial(x: Any, p: Any) -> Any:
-            return power(x, p)
+    def quotient(x: Any) -> Any:
+        return wave(x) / wave(x + 0.5 * math.pi)
 
-        return polynomial
-
-    @overload(sine, jit_options=options)
-    def choose_sine(x: Any) -> Any:  # noqa: ARG001
-        def polynomial(x: Any) -> Any:
-            return wave(x)
-
-        return polynomial
-
-    @overload(tangent, jit_options=options)
-    def choose_tangent(x: Any) -> Any:  # noqa: ARG001
-        def quotient(x: Any) -> Any:
-            return wave(x) / wave(x + 0.5 * math.pi)
-
-        return quotient
+    replace(spow, lambda x, p: power)  # noqa: ARG005
+    replace(sine, lambda x: wave)  # noqa: ARG005
+    replace(tangent, lambda x: quotient)  # noqa: ARG005

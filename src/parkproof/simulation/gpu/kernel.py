@@ -8,13 +8,10 @@ from functools import cache
 from typing import Any
 
 from numba import cuda, float64, int64
-from numba.extending import register_jitable
 
 from parkproof.laws.controller import RobotKind
-from parkproof.simulation.compiler import OPTIONS
+from parkproof.simulation.compiler import inlined
 from parkproof.simulation.gpu.one_lane import one_lane
-
-inlined = register_jitable(forceinline=True, **OPTIONS)
 
 
 @inlined

@@ -5,16 +5,12 @@ of both channels, and the answers to them. Compiled code: ``b`` is the buffer of
 `parkproof.simulation.lanes.buffer`, ``seen`` the first of the five rows that controllers are given.
 """
 
-from numba.extending import register_jitable
-
 from parkproof.laws.inputs import explicit_answers, explicit_errors, with_direct
 from parkproof.laws.turn import turn_channels
-from parkproof.simulation.compiler import OPTIONS
+from parkproof.simulation.compiler import inlined
 
 from .buffer import BLOCK, ERROR1, ERROR2, GROUP, NEW1, NEW2, STEP, WAY
 from .plant import state_at
-
-inlined = register_jitable(forceinline=True, **OPTIONS)
 
 
 @inlined

@@ -6,17 +6,13 @@ and ``b`` is the buffer of `parkproof.simulation.lanes.buffer`.
 
 import math
 
-from numba.extending import register_jitable
-
 from parkproof.model.image_unicycle import gains_under
 from parkproof.model.overhead import is_inside
 from parkproof.scalar import cosine, sine
-from parkproof.simulation.compiler import OPTIONS
+from parkproof.simulation.compiler import inlined
 from parkproof.simulation.image_steps import image_chained_step, image_turning_step
 
 from .buffer import BETA, BLOCK, CHART, S0, S1, S2
-
-inlined = register_jitable(forceinline=True, **OPTIONS)
 
 
 @inlined

@@ -6,8 +6,6 @@ Compiled code: ``b`` is the buffer of `parkproof.simulation.lanes.buffer`, ``see
 five rows that controllers are given.
 """
 
-from numba.extending import register_jitable
-
 from parkproof.laws.inputs import implicit_answers, predicted, with_direct
 from parkproof.laws.robustify import (
     CLOSE,
@@ -18,7 +16,7 @@ from parkproof.laws.robustify import (
     narrowed,
 )
 from parkproof.laws.turn import turn_channels
-from parkproof.simulation.compiler import OPTIONS
+from parkproof.simulation.compiler import inlined
 
 from .buffer import (
     AT,
@@ -44,8 +42,6 @@ from .buffer import (
     WAY,
 )
 from .plant import state_at
-
-inlined = register_jitable(forceinline=True, **OPTIONS)
 
 
 @inlined

@@ -22,14 +22,13 @@ from typing import Any
 
 import numba
 import numpy as np
-from numba.extending import register_jitable
 
 from parkproof.laws.controller import RobotKind
 from parkproof.laws.table import law_named
 from parkproof.laws.turn import turned
 from parkproof.model.chained import chained_inputs
 from parkproof.model.unicycle import wrap_angle
-from parkproof.simulation.compiler import OPTIONS, register
+from parkproof.simulation.compiler import KERNEL, inlined, register
 
 from . import explicit as explicit_form
 from . import implicit as implicit_form
@@ -66,8 +65,6 @@ from .metrics import (
 from .parts import parts_of
 from .plant import push, state_at
 from .sensor import end_unseen, is_misled, is_unseen
-
-inlined = register_jitable(forceinline=True, **OPTIONS)
 
 
 @inlined
@@ -149,7 +146,7 @@ def _compiled(
 ) -> Callable[..., Any]:
     carry_out = trials_of_a_block(law_name, implicit, exact, robot, camera, euler, on_the_stack)
     name = f"{law_name} {implicit=} {exact=} {robot} {camera=} {euler=}"
-    return keep(numba.njit(carry_out, nogil=True, **OPTIONS), name)
+    return keep(numba.njit(carry_out, **KERNEL), name)
 
 
 def trials_of_a_block(

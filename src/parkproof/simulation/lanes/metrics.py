@@ -7,9 +7,7 @@ results there and then and stays behind as an idle one, so that no other loop ha
 
 import math
 
-from numba.extending import register_jitable
-
-from parkproof.simulation.compiler import OPTIONS
+from parkproof.simulation.compiler import inlined
 
 from .buffer import (
     BEFORE,
@@ -64,7 +62,6 @@ from .buffer import (
     WAY,
 )
 
-inlined = register_jitable(forceinline=True, **OPTIONS)
 RESULT_ROWS = len(RESULTS)
 
 

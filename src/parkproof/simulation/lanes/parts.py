@@ -7,15 +7,11 @@ Each part is compiled only into the kernels that use it, so that the plain case,
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from numba.extending import register_jitable
-
 from parkproof.laws.controller import RobotKind
-from parkproof.simulation.compiler import OPTIONS
+from parkproof.simulation.compiler import inlined
 
 from . import image, plant, robots, sensor, signals
 from .buffer import S2, S3, S4
-
-inlined = register_jitable(forceinline=True, **OPTIONS)
 
 Compiled = Callable[..., Any]
 

@@ -5,11 +5,9 @@ Compiled code: ``b`` is the buffer of `parkproof.simulation.lanes.buffer`.
 
 import math
 
-from numba.extending import register_jitable
-
 from parkproof.model.chained import body_inputs, chained_inputs, extension_rate
 from parkproof.scalar import sign
-from parkproof.simulation.compiler import OPTIONS
+from parkproof.simulation.compiler import inlined
 from parkproof.simulation.steps import (
     chained_euler_step,
     chained_step,
@@ -43,8 +41,6 @@ from .buffer import (
     TAU1,
     TAU2,
 )
-
-inlined = register_jitable(forceinline=True, **OPTIONS)
 
 
 @inlined

@@ -8,14 +8,12 @@ hands in lanes is the same for all robots. Compiled code: ``b`` is the buffer of
 
 import math
 
-from numba.extending import register_jitable
-
 from parkproof.laws.commands import acceleration_command, kept_velocity, velocity_command
 from parkproof.model.chained import body_inputs, chart_of
 from parkproof.model.image_unicycle import gains_under
 from parkproof.model.unicycle import wrap_angle
 from parkproof.scalar import cosine, sine
-from parkproof.simulation.compiler import OPTIONS
+from parkproof.simulation.compiler import inlined
 
 from .buffer import (
     ACT1,
@@ -62,9 +60,6 @@ from .image import homography_of
 from .plant import disturbed, move, state_at
 from .sensor import take
 from .signals import signals_of_step
-
-inlined = register_jitable(forceinline=True, **OPTIONS)
-
 
 # ----------------------------------------------------------------------------- what is true
 

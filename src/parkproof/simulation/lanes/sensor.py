@@ -6,11 +6,9 @@ the measurements of the last samples, each as the five states and whether they a
 
 import math
 
-from numba.extending import register_jitable
-
 from parkproof.model.chained import body_inputs, chained_inputs
 from parkproof.model.unicycle import wrap_angle
-from parkproof.simulation.compiler import OPTIONS
+from parkproof.simulation.compiler import inlined
 from parkproof.simulation.noise import standard_noise
 
 from .buffer import (
@@ -32,8 +30,6 @@ from .buffer import (
     SEEN4,
     STEP,
 )
-
-inlined = register_jitable(forceinline=True, **OPTIONS)
 
 
 @inlined

@@ -8,11 +8,9 @@ Compiled code: ``b`` is the buffer of `parkproof.simulation.lanes.buffer`, ``ton
 `parkproof.simulation.lanes.first.all_tones`.
 """
 
-from numba.extending import register_jitable
-
 from parkproof.model.signals import tone_value
 from parkproof.scalar import cosine, rotated, sine
-from parkproof.simulation.compiler import OPTIONS
+from parkproof.simulation.compiler import inlined
 from parkproof.simulation.steps import time_in_period
 
 from .buffer import (
@@ -33,8 +31,6 @@ from .buffer import (
     TURN_SINE,
     UNUSED,
 )
-
-inlined = register_jitable(forceinline=True, **OPTIONS)
 
 RENEWED = 32
 """Integration steps after which waves are worked out anew."""
