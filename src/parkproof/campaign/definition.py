@@ -1,7 +1,7 @@
 """What a campaign is: a scenario, what differs between trials, how many of them, and a seed.
 
-A campaign file is a scenario file with ``trials``, ``seed``, ``draws`` and a table of
-distributions.
+A campaign file is a scenario file with ``trials``, ``seed``, ``draws``, ``precision`` and a table
+of distributions.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,6 +20,7 @@ from parkproof.scenario_file.keys import Place, parse_place
 from parkproof.scenario_file.overrides import apply_overrides, check_known
 from parkproof.scenario_file.read import converted, named_with
 from parkproof.scenario_file.toml import load_toml
+from parkproof.simulation.trials import Precision
 
 Draws = Literal["sobol", "independent"]
 
@@ -29,7 +30,7 @@ MOST_SOBOL = 2**30
 MOST = 10**15
 """Most trials of any campaign: their numbers stay whole as floats."""
 
-OWN_KEYS = ("trials", "seed", "draws", "distributions")
+OWN_KEYS = ("trials", "seed", "draws", "precision", "distributions")
 """Keys of a campaign file that no scenario has."""
 
 
@@ -44,6 +45,8 @@ class CampaignFile(Scenario, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         What is drawn depends on it, on the number of the trial and on the file, on nothing else.
     draws : "sobol" or "independent"
         A scrambled Sobol sequence, which fills the space evenly, or independent draws.
+    precision : "double" or "single"
+        Of the trials; single is for statistics only.
     distributions : dict
         A distribution for each key of the scenario that differs from trial to trial.
 
@@ -62,6 +65,7 @@ class CampaignFile(Scenario, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     trials: int
     seed: int = 0
     draws: Draws = "sobol"
+    precision: Precision = "double"
     distributions: dict[str, Any] = msgspec.field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -123,6 +127,8 @@ class Campaign:
         Seed of the draws.
     draws : "sobol" or "independent"
         How they are drawn.
+    precision : "double" or "single"
+        How precisely trials are carried out.
 
     Examples
     --------
@@ -138,6 +144,7 @@ class Campaign:
     trials: int
     seed: int
     draws: Draws
+    precision: Precision = "double"
 
 
 def check_trials(trials: int, draws: Draws) -> None:
@@ -149,6 +156,8 @@ def check_trials(trials: int, draws: Draws) -> None:
         How many.
     draws : "sobol" or "independent"
         How they are drawn.
+    precision : "double" or "single"
+        How precisely trials are carried out.
 
     Raises
     ------
@@ -265,6 +274,7 @@ def campaign_from_dict(data: Mapping[str, Any], *, where: str) -> Campaign:
         trials=file.trials,
         seed=file.seed,
         draws=file.draws,
+        precision=file.precision,
     )
 
 
@@ -321,6 +331,7 @@ def plain_of(campaign: Campaign) -> dict[str, Any]:
         "trials": campaign.trials,
         "seed": campaign.seed,
         "draws": campaign.draws,
+        "precision": campaign.precision,
         **resolved(campaign.scenario),
         "distributions": {
             quantity.key: msgspec.to_builtins(quantity.distribution)

@@ -11,6 +11,7 @@ from parkproof.campaign.prepare import prepare
 from parkproof.campaign.table import row_of
 from parkproof.scenario import Scenario
 from parkproof.simulation.run import Run
+from parkproof.simulation.trials import Precision
 
 
 @dataclass(frozen=True)
@@ -23,6 +24,8 @@ class Trial:
         That repeats it.
     row : dict of str to object
         What the campaign found.
+    precision : "double" or "single"
+        How precisely; a run of the scenario is in doubles.
 
     Examples
     --------
@@ -32,6 +35,7 @@ class Trial:
 
     scenario: Scenario
     row: dict[str, Any]
+    precision: Precision = "double"
 
     def same(self, run: Run) -> bool:
         """Whether a run of it ends as the campaign's did.
@@ -73,7 +77,8 @@ class Trial:
         total = run.settling_time.total
         there = _said(self.row["outcome"], self.row["total"])
         alone = _said(run.outcome.value, math.nan if total is None else total)
-        said = f"In the campaign: {there}. Alone: {alone}."
+        how = "" if self.precision == "double" else ", in single precision"
+        said = f"In the campaign{how}: {there}. Alone: {alone}."
         if not self.same(run):
             return f"{said} The outcomes differ."
         if total is None:
@@ -141,4 +146,4 @@ def trial_of(path: Path, trial: int) -> Trial:
     row = row_of(path, trial)
     campaign = campaign_from_dict(record["campaign"], where=str(path / RECORD))
     scenario = prepare(campaign, where=str(path / RECORD), check=False).scenario_of(trial)
-    return Trial(scenario, row)
+    return Trial(scenario, row, campaign.precision)

@@ -57,12 +57,13 @@ def rows_of(
     """
     import pyarrow as pa
 
+    precision = prepared.campaign.precision
     drawn, numbers = drawn_values(prepared.campaign, begin, end), np.arange(begin, end)
     columns: dict[str, NDArray[Any]] = {}
     for members, scenario, trials in ensembles(prepared, drawn, numbers, size=PIECE):
         if stopped():
             raise GivenUpError
-        for name, found in simulate_trials(scenario, trials).items():
+        for name, found in simulate_trials(scenario, trials, precision=precision).items():
             kind = object if name == "outcome" else float
             columns.setdefault(name, np.empty(end - begin, dtype=kind))[members] = found
     outcome = pa.array([one.value for one in columns.pop("outcome")], pa.string())

@@ -81,6 +81,10 @@ def campaign(
             f"{certificate}: no such file; name a certificate.json that parkproof certify or "
             "parkproof design wrote"
         )
+    if certificate is not None:
+        from parkproof.report.campaign import check_comparable
+
+        check_comparable(asked, certificate)
     require("scipy", extra="campaign", purpose="parkproof campaign")
     directory = Path("campaigns") / file.stem if out is None else out
     reached = "no trial has been done yet"

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from parkproof import __version__
-from parkproof.campaign.definition import campaign_from_dict
+from parkproof.campaign.definition import Campaign, campaign_from_dict
 from parkproof.campaign.directory import RECORD, read_record
 from parkproof.campaign.prepare import Prepared, prepare
+from parkproof.errors import InputError
 from parkproof.extras import require
 from parkproof.output import write_whole
 from parkproof.report.campaign_coverage import coverage_of
@@ -121,6 +122,8 @@ def write_report(
     tell = progress or (lambda _text, _fraction: None)
     tell("reading the table", 0.0)
     prepared = _prepared(directory)
+    if certificate is not None:
+        check_comparable(prepared.campaign, certificate)
     table = TrialTable(directory)
     heading = _heading(directory, prepared, len(table), command)
     proof = None
@@ -143,6 +146,39 @@ def write_report(
     return target
 
 
+def check_comparable(campaign: Campaign, certificate: Path) -> None:
+    """Check that trials are carried out precisely enough to be compared with a proof.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        The trials'.
+    certificate : Path
+        The proof's.
+
+    Raises
+    ------
+    InputError
+        If they are in single precision.
+
+    Examples
+    --------
+    >>> campaign = campaign_from_dict(
+    ...     {"law": "corrected", "start": {"pose": [-1, 0, 0]}, "trials": 10,
+    ...      "precision": "single"}, where="example")
+    >>> check_comparable(campaign, directory / "certificate.json")
+    Traceback (most recent call last):
+    ...
+    parkproof.errors.InputError: ... precision = "single" ...
+    """
+    if campaign.precision == "single":
+        raise InputError(
+            f'{certificate} cannot be compared with trials in precision = "single": what rounding '
+            "adds to them would be taken for violations; leave the certificate out, or write "
+            'precision = "double" and choose another directory'
+        )
+
+
 def _prepared(directory: Path) -> Prepared:
     """The campaign of a directory; what it draws was checked when it began."""
     where = str(directory / RECORD)
@@ -155,13 +191,14 @@ def _heading(directory: Path, prepared: Prepared, trials: int, command: str | No
     run = scenario.run
     drawn = ", ".join(drawn_keys(prepared)) or "nothing but noise"
     how = "a scrambled Sobol' sequence" if campaign.draws == "sobol" else "independent draws"
+    singles = " Carried out in single precision." if campaign.precision == "single" else ""
     default = f"parkproof campaign CAMPAIGN.toml --out {shlex.quote(str(directory))}"
     return Heading(
         title=scenario.title or f"A campaign of the {scenario.law} law",
         description=(
             f"{trials:,} trials of the {scenario.law} law in its {run.discretisation} form, "
             f"{run.duration:g} s each with a control period of {1e3 * run.control_period:g} ms, "
-            f"as far as that is not drawn. Drawn by {how}, seed {campaign.seed}: {drawn}."
+            f"as far as that is not drawn. Drawn by {how}, seed {campaign.seed}: {drawn}.{singles}"
         ),
         directory=str(directory),
         command=command or default,

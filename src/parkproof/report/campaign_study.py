@@ -56,7 +56,7 @@ def study_of(prepared: Prepared, *, trials: int, threads: int = 1) -> Sensitivit
         # numbers that no trial of the campaign has, so that noise is new, too
         numbers = campaign.trials + np.arange(len(points))
         for members, scenario, some in ensembles(prepared, drawn, numbers, size=len(points)):
-            rows = simulate_trials(scenario, some, threads=threads)
+            rows = simulate_trials(scenario, some, threads=threads, precision=campaign.precision)
             duration = scenario.run.samples * scenario.run.control_period
             found[:, members] = outputs_of(rows, duration)
         return found

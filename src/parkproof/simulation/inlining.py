@@ -19,6 +19,8 @@ from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.compiler_machinery import PassManager, register_pass
 from numba.core.typed_passes import NativeLowering
 
+from parkproof.simulation.single import SingleConstants
+
 LEFT_OUT = (
     "WithLifting", "InlineClosureLikes", "RewriteDynamicRaises", "MakeFunctionToJitFunction",
     "InlineInlinables", "FindLiterallyCalls", "LiteralUnroll", "LiteralPropagationSubPipelinePass",
@@ -97,6 +99,8 @@ def _pipeline(state: Any, lowering: type) -> PassManager:
         name = each.__name__
         if name not in LEFT_OUT and name not in seen:
             manager.add_pass(lowering if name == "NativeLowering" else each, why)
+        if name == "IRProcessing":
+            manager.add_pass(SingleConstants, "numbers as precise as those they meet")
         seen.add(name)
     manager.finalize()
     return manager

@@ -16,6 +16,8 @@ from numba.extending import intrinsic
 
 from parkproof.scalar import sine, spow, tangent
 from parkproof.simulation.compiler import inlined, replace
+from parkproof.simulation.fused import fused
+from parkproof.simulation.single_polynomials import sine_single, spow_single
 
 ROUNDER = 6755399441055744.0
 """1.5·2⁵²: adding it to a number below 2⁵¹ rounds to an integer, held in the last bits."""
@@ -64,16 +66,6 @@ def double_of(_context: Any, bits: Any) -> Any:  # noqa: ARG001
         return builder.bitcast(args[0], ir.DoubleType())
 
     return types.float64(types.int64), generate
-
-
-@intrinsic
-def fused(_context: Any, x: Any, y: Any, z: Any) -> Any:  # noqa: ARG001
-    """x·y + z, rounded once."""
-
-    def generate(_ctx: Any, builder: Any, _signature: Any, args: Any) -> Any:
-        return builder.fma(*args)
-
-    return types.float64(types.float64, types.float64, types.float64), generate
 
 
 def _spow_polynomial(x: float, p: float) -> float:
@@ -128,11 +120,18 @@ def _sine_polynomial(x: float) -> float:
 
 def replace_primitives() -> None:
     """Give the primitives these forms in compiled code."""
-    power, wave = inlined(_spow_polynomial), inlined(_sine_polynomial)
+    for form in (_spow_polynomial, _sine_polynomial, spow_single, sine_single):
+        inlined(form)
+
+    def power_of(x: Any, p: Any) -> Any:
+        return spow_single if x == p == types.float32 else _spow_polynomial
+
+    def wave_of(x: Any) -> Any:
+        return sine_single if x == types.float32 else _sine_polynomial
 
     def quotient(x: Any) -> Any:
-        return wave(x) / wave(x + 0.5 * math.pi)
+        return sine(x) / sine(x + 0.5 * math.pi)
 
-    replace(spow, lambda x, p: power)  # noqa: ARG005
-    replace(sine, lambda x: wave)  # noqa: ARG005
+    replace(spow, power_of)
+    replace(sine, wave_of)
     replace(tangent, lambda x: quotient)  # noqa: ARG005

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,9 @@ from parkproof.scenario import Scenario
 from parkproof.simulation.noise import keys_of
 
 Floats = NDArray[np.float64]
+
+Precision = Literal["double", "single"]
+"""How precisely trials are carried out."""
 
 SIGNALS = 4
 """γ1, γ2, φ1, φ2: the signals of the inputs."""

@@ -50,6 +50,7 @@ from .buffer import (
     TAU1,
     TAU2,
     WAY,
+    LaneLimits,
 )
 from .first import all_tones, first_buffer, kinds_of
 from .kept import keep
@@ -90,6 +91,7 @@ def kernel_of(
     exact: bool = True,
     robot: RobotKind = "chained",
     camera: bool = False,
+    single: bool = False,
     euler: bool = False,
 ) -> Callable[..., Any]:
     """Give the kernel of a law in one form, compiled when first called, once a process.
@@ -106,6 +108,8 @@ def kernel_of(
         What the robots are commanded by.
     camera : bool
         Whether each trial has a camera of its own, or all have the paper's.
+    single : bool
+        Whether to compute in single precision, all but times.
     euler : bool
         Whether to integrate by Euler's method, as what lanes are compared with does; for robots of
         kind "chained" under the paper's camera.
@@ -124,17 +128,21 @@ def kernel_of(
     True
     """
     kernel = _compiled(law_name, implicit, exact, robot, camera, euler)
+    number: type[np.floating[Any]] = np.float32 if single else np.float64
 
     def block(
         p, clock, limits, sensing, state, in_chart, scale_mean, scale_tones, mean, tones,
         adversary, keys, cameras, out,
     ):  # fmt: skip
         b, all_of = first_buffer(state, in_chart, mean, scale_mean), all_tones(tones, scale_tones)
-        ring = np.empty((1 if exact else sensing.delay + 1, 6, BLOCK))
+        ring = np.empty((1 if exact else sensing.delay + 1, 6, BLOCK), number)
         counts, groups = np.zeros(STEPS, np.int64), np.zeros((STEPS, BLOCK // GROUP), np.int64)
+        deviations = tuple(number(deviation) for deviation in sensing.deviations)
         kernel(
-            Parameters(p), clock, limits, sensing, Buffer(b), ring, counts, groups, Buffer(all_of),
-            kinds_of(all_of), Buffer(adversary), keys, cameras, out,
+            Parameters(p, single=single), clock, LaneLimits(*map(number, limits)),
+            sensing._replace(deviations=deviations), Buffer(b, single=single), ring, counts, groups,
+            Buffer(all_of, single=single), kinds_of(all_of), Buffer(adversary, single=single), keys,
+            cameras.astype(number, copy=False), out,
         )  # fmt: skip
 
     return block

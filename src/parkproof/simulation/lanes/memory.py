@@ -26,25 +26,27 @@ from numba.extending import (
 )
 
 from parkproof.laws.parameters import LawParameters
+from parkproof.simulation.compiler import replace
 
-DOUBLE, WHOLE = ir.DoubleType(), ir.IntType(64)
+WHOLE = ir.IntType(64)
 
 
 class BufferType(types.Type):
     """Type of a buffer in compiled code: any whole number indexes it, and none is checked."""
 
-    def __init__(self) -> None:
-        super().__init__(name="Buffer")
+    def __init__(self, number: types.Float) -> None:
+        self.number = number
+        super().__init__(name=f"Buffer({number})")
 
 
 class ParametersType(types.Type):
     """Type of a law's parameters in compiled code."""
 
-    def __init__(self) -> None:
-        super().__init__(name="LawParameters")
+    def __init__(self, number: types.Float) -> None:
+        self.number = number
+        super().__init__(name=f"LawParameters({number})")
 
 
-BUFFER, PARAMETERS = BufferType(), ParametersType()
 register_model(BufferType)(models.OpaqueModel)
 register_model(ParametersType)(models.OpaqueModel)
 
@@ -60,7 +62,7 @@ class Reading(AbstractTemplate):
         """Signature."""
         buffer, index = args
         if isinstance(buffer, BufferType) and isinstance(index, types.Integer):
-            return signature(types.float64, buffer, types.int64)
+            return signature(buffer.number, buffer, types.int64)
         return None
 
 
@@ -72,28 +74,50 @@ class Writing(AbstractTemplate):
         """Signature."""
         buffer, index, _ = args
         if isinstance(buffer, BufferType) and isinstance(index, types.Integer):
-            return signature(types.none, buffer, types.int64, types.float64)
+            return signature(types.none, buffer, types.int64, buffer.number)
         return None
 
 
-def _place(builder: Any, buffer: Any, index: Any) -> Any:
+def _place(context: Any, builder: Any, kind: Any, address: Any, index: Any) -> Any:
     """Address of a number."""
-    numbers = builder.bitcast(buffer, DOUBLE.as_pointer())
-    return builder.gep(numbers, [index], inbounds=True)
+    number = context.get_value_type(kind.number)
+    return builder.gep(builder.bitcast(address, number.as_pointer()), [index], inbounds=True)
 
 
 @lower_builtin(operator.getitem, BufferType, types.Integer)
-def read(_context: Any, builder: Any, _signature: Any, args: Any) -> Any:
+def read(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     """Load a number of a buffer."""
-    return builder.load(_place(builder, *args))
+    return builder.load(_place(context, builder, sig.args[0], *args))
 
 
 @lower_builtin(operator.setitem, BufferType, types.Integer, types.Float)
-def write(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
+def write(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     """Store a number in a buffer."""
     buffer, index, number = args
-    builder.store(number, _place(builder, buffer, index))
+    builder.store(number, _place(context, builder, sig.args[0], buffer, index))
     return context.get_dummy_value()
+
+
+@intrinsic
+def _converted(_context: Any, buffer: Any, number: Any) -> Any:
+    """Convert a number to one such as a buffer holds."""
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return context.cast(builder, args[1], sig.args[1], sig.return_type)
+
+    return buffer.number(buffer, number), generate
+
+
+def like(_buffer: Any, number: Any) -> Any:
+    """Give a number in the precision of a buffer, which times and their differences are not in."""
+    return number
+
+
+def _like(buffer: Any, number: Any) -> Any:
+    return _converted(buffer, number)
+
+
+replace(like, lambda buffer, _number: _like if isinstance(buffer, BufferType) else like)
 
 
 # ------------------------------------------------------------------------------- parameters
@@ -105,15 +129,16 @@ class Fields(AttributeTemplate):
 
     key = ParametersType
 
-    def generic_resolve(self, _type: Any, name: str) -> Any:
+    def generic_resolve(self, kind: Any, name: str) -> Any:
         """Type of a field."""
-        return types.float64 if name in LawParameters._fields else None
+        return kind.number if name in LawParameters._fields else None
 
 
 @lower_getattr_generic(ParametersType)
-def read_field(_context: Any, builder: Any, _type: Any, value: Any, name: str) -> Any:
+def read_field(context: Any, builder: Any, kind: Any, value: Any, name: str) -> Any:
     """Load a field."""
-    return builder.load(_place(builder, value, WHOLE(LawParameters._fields.index(name))))
+    index = WHOLE(LawParameters._fields.index(name))
+    return builder.load(_place(context, builder, kind, value, index))
 
 
 @intrinsic
@@ -126,14 +151,14 @@ def on_the_stack(_context: Any, numbers: Any) -> Any:
     """
 
     def generate(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
-        copy = cgutils.alloca_once(builder, DOUBLE, size=WHOLE(len(LawParameters._fields)))
+        number = context.get_value_type(numbers.number)
+        copy = cgutils.alloca_once(builder, number, size=WHOLE(len(LawParameters._fields)))
         for i in range(len(LawParameters._fields)):
-            builder.store(
-                builder.load(_place(builder, args[0], WHOLE(i))), builder.gep(copy, [WHOLE(i)])
-            )
-        return builder.bitcast(copy, context.get_value_type(PARAMETERS))
+            field = builder.load(_place(context, builder, numbers, args[0], WHOLE(i)))
+            builder.store(field, builder.gep(copy, [WHOLE(i)]))
+        return builder.bitcast(copy, context.get_value_type(numbers))
 
-    return PARAMETERS(numbers), generate
+    return numbers(numbers), generate
 
 
 # ------------------------------------------------------------------- what a kernel is handed
@@ -146,6 +171,8 @@ class Handle:
     ----------
     numbers : array
         Contiguous numbers, or a tuple of them.
+    single : bool
+        Whether to keep them in single precision.
 
     Examples
     --------
@@ -153,8 +180,9 @@ class Handle:
     array([1., 2.])
     """
 
-    def __init__(self, numbers: Any) -> None:
-        self.numbers = np.ascontiguousarray(numbers, dtype=np.float64)
+    def __init__(self, numbers: Any, *, single: bool = False) -> None:
+        self.number = types.float32 if single else types.float64
+        self.numbers = np.ascontiguousarray(numbers, dtype=np.float32 if single else np.float64)
         self.address = self.numbers.ctypes.data
 
 
@@ -167,13 +195,13 @@ class Parameters(Handle):
 
 
 @typeof_impl.register(Buffer)
-def _type_of_buffer(_handle: Any, _context: Any) -> Any:
-    return BUFFER
+def _type_of_buffer(handle: Any, _context: Any) -> Any:
+    return BufferType(handle.number)
 
 
 @typeof_impl.register(Parameters)
-def _type_of_parameters(_handle: Any, _context: Any) -> Any:
-    return PARAMETERS
+def _type_of_parameters(handle: Any, _context: Any) -> Any:
+    return ParametersType(handle.number)
 
 
 @unbox(BufferType)

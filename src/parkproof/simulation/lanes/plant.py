@@ -41,6 +41,7 @@ from .buffer import (
     TAU1,
     TAU2,
 )
+from .memory import like
 
 
 @inlined
@@ -153,7 +154,7 @@ def advancing(find_signals, inside, outside):
 
     @inlined
     def advance(b, camera, turning, tones, kinds, t, h, steps, k):
-        part = h / steps
+        part = like(b, h / steps)
         for i in range(-1 if k == 0 else 0, steps):
             find_signals(b, tones, kinds, t, h, i, steps, k)
             if i >= 0:

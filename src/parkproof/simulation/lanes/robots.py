@@ -57,6 +57,7 @@ from .buffer import (
     TAU2,
 )
 from .image import homography_of
+from .memory import like
 from .plant import disturbed, move, state_at
 from .sensor import take
 from .signals import signals_of_step
@@ -201,7 +202,7 @@ def drive(b, h):
         _, v, omega = kept_turn(b, j)
         first, second, charted, v, omega = velocity_command(
             b[STEP + j] == 0.0, b[TAU1 + j], b[TAU2 + j], v, omega, b[SEEN2 + j], b[SEEN3 + j],
-            b[SEEN4 + j], h,
+            b[SEEN4 + j], like(b, h),
         )  # fmt: skip
         b[KEPT_U0 + j], b[KEPT_U1 + j], b[KEPT_CHART + j] = first, second, charted
         b[KEPT_V + j], b[KEPT_OMEGA + j] = v, omega
@@ -223,7 +224,7 @@ def no_rates(_b, _j, _row):
 @inlined
 def advance_robots(b, camera, tones, kinds, t, h, steps, k, rates, step):
     """Move all robots by one control period; before the first, find the signals at its start."""
-    part = h / steps
+    part = like(b, h / steps)
     for i in range(-1 if k == 0 else 0, steps):
         signals_of_step(b, tones, kinds, t, h, i, steps, k)
         if i >= 0:

@@ -1,0 +1,81 @@
+"""Single precision from the same source: written numbers are as precise as those they meet.
+
+In Python ``0.5`` is a double, and whatever is multiplied by it becomes one. A function that is
+compiled for singles takes its written numbers, and those of the modules that it names, as singles.
+What it works out from doubles alone, such as times, stays double.
+"""
+
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numba import types
+from numba.core import ir
+from numba.core.compiler_machinery import FunctionPass, register_pass
+
+
+def has_singles(kind: Any) -> bool:
+    """Whether a type is of singles, or holds some.
+
+    Parameters
+    ----------
+    kind : numba type
+        Of an argument.
+
+    Returns
+    -------
+    bool
+        True for singles, for tuples with some, and for buffers of singles.
+
+    Examples
+    --------
+    >>> has_singles(types.float32), has_singles(types.UniTuple(types.float64, 2))
+    (True, False)
+    """
+    if isinstance(kind, types.BaseTuple):
+        return any(has_singles(part) for part in kind)
+    return bool(getattr(kind, "number", getattr(kind, "dtype", kind)) == types.float32)
+
+
+@register_pass(mutates_CFG=False, analysis_only=False)
+class SingleConstants(FunctionPass):
+    """Make written numbers singles where a function is given singles."""
+
+    _name = "parkproof_single_constants"
+
+    def __init__(self) -> None:
+        super().__init__()
+
+    def run_pass(self, state: Any) -> bool:
+        """Replace them, and say whether there were any."""
+        if not any(has_singles(kind) for kind in state.args):
+            return False
+        assignments = [
+            statement
+            for block in state.func_ir.blocks.values()
+            for statement in block.body
+            if isinstance(statement, ir.Assign)
+        ]
+        modules = {
+            each.target.name: each.value.value
+            for each in assignments
+            if isinstance(each.value, ir.Global) and isinstance(each.value.value, ModuleType)
+        }
+        found = [(each, _written(each.value, modules)) for each in assignments]
+        for each, number in found:
+            if number is not None:
+                before, each.value = each.value, ir.Const(np.float32(number), each.loc)
+                known = state.func_ir._definitions[each.target.name]
+                known[:] = [each.value if value is before else value for value in known]
+        return any(number is not None for _, number in found)
+
+
+def _written(value: Any, modules: dict[str, ModuleType]) -> float | None:
+    """Number that an expression is: written, of this module, or of another."""
+    if isinstance(value, ir.Const | ir.Global | ir.FreeVar):
+        number = value.value
+    elif isinstance(value, ir.Expr) and value.op == "getattr" and value.value.name in modules:
+        number = getattr(modules[value.value.name], value.attr)
+    else:
+        return None
+    return number if isinstance(number, float) else None
