@@ -120,13 +120,13 @@ def in_lanes(work: Work, **kind: Any) -> Callable[[], Timed]:
     shared, trials = work.scenarios[0], trials_of(work.scenarios)
     if kind.pop("implicit", False):
         shared = replace(shared, run=replace(shared.run, discretisation="implicit"))
-    usual = kernel.kernel_of
+    usual, precision = kernel.kernel_of, kind.pop("precision", "double")
 
     def run() -> Timed:
         kernel.kernel_of = partial(usual, **kind)
         try:
             begin = time.perf_counter()
-            rows = simulate_trials(shared, trials)
+            rows = simulate_trials(shared, trials, precision=precision)
             taken = time.perf_counter() - begin
         finally:
             kernel.kernel_of = usual
@@ -148,6 +148,7 @@ def main() -> int:
         "lanes, Euler": in_lanes(work, euler=True),
         "lanes, Runge-Kutta": in_lanes(work),
         "lanes, implicit form, Runge-Kutta": in_lanes(work, implicit=True),
+        "lanes, Euler, single precision": in_lanes(work, euler=True, precision="single"),
     }
     with tempfile.TemporaryDirectory() as folder:
         library = compiled(Path(folder))

@@ -32,6 +32,9 @@ SPREAD = 0.02
 """Largest relative difference of the maxima: rivals must keep them, but need not round alike."""
 
 
+EULER = "Parkproof's lanes, plant by Euler"
+
+
 class Rival(NamedTuple):
     """One row of the table: its module here, its trials at a time, and what to install.
 
@@ -150,37 +153,49 @@ def number(value: float) -> str:
 
 
 def print_table(
-    work: Work, trials: int, own: list[float], rows: list[tuple[Measured, list[float]]]
+    work: Work,
+    trials: int,
+    own: dict[str, list[float]],
+    rows: list[tuple[Measured, list[float]]],
 ) -> None:
     """Print the table, with what must be known to read it."""
     packages = {name for one, _ in rows for name in one.rival.packages} | {"parkproof", "numba"}
+    base = own[EULER]
     print(
         f"Trials of {DURATION:g} s at {1e3 * work.period:g} ms, one core. Processor time, medians "
-        f"of {len(own)} rounds, each of which times all in turn; ratios are taken round by round.\n"
-        "\n| | ns a lane-step | times Parkproof's (range) | trials at a time | apart | "
+        f"of {len(base)} rounds, each of which times all in turn; ratios are taken round by round."
+        "\n\n| | ns a lane-step | times Parkproof's by Euler (range) | trials at a time | apart | "
         "leaves out, too |\n| --- | --- | --- | --- | --- | --- |"
     )
-    print(f"| **Parkproof's lanes** | {number(statistics.median(own))} | 1 | {trials} | | |")
+    for name, times in own.items():
+        print(f"| **{name}** | {number(statistics.median(times))} | {ratios(times, base)} | "
+              f"{trials} | | |")  # fmt: skip
     for one, times in rows:
-        ratios = [time / base for time, base in zip(times, own, strict=True)]
         print(
-            f"| {one.rival.name} | {number(statistics.median(times))} | "
-            f"{number(statistics.median(ratios))} ({number(min(ratios))} to {number(max(ratios))}) "
+            f"| {one.rival.name} | {number(statistics.median(times))} | {ratios(times, base)} "
             f"| {one.rival.trials} | {one.agreement} | {one.rival.leaves_out} |"
         )
     print(
         "\nTo their advantage, rivals leave out the turn, a second choice of the direction of "
-        "travel, limits, ends of a run, and metrics other than the ends of steps and eight maxima; "
-        "their plant is by Euler's method (SciPy's its own), Parkproof's by Runge and Kutta's. "
-        f"Apart: the largest differences, over the first {CHECKED} trials, of the ends of Steps 1 "
-        "to 3, and (relative) of the largest inputs, states and excursion, from Parkproof's "
-        "controller with the plant by Euler's method or, where a plant is more exact, from "
-        "Parkproof's lanes."
+        "travel, limits, ends of a run, and metrics other than the ends of steps and eight maxima. "
+        "Their plant is by Euler's method, SciPy's its own, that of simulate() by Runge and "
+        f"Kutta's. Apart: the largest differences, over the first {CHECKED} trials, of the ends of "
+        "Steps 1 to 3, and (relative) of the largest inputs, states and excursion, from "
+        "Parkproof's controller with the plant by Euler's method or, where a plant is more exact, "
+        "from Parkproof's lanes with theirs by Runge and Kutta's."
     )
     print(
         f"\nMeasured on: {machine()}; Python {platform.python_version()}, "
         f"{', '.join(release(name) for name in sorted(packages))}."
     )
+
+
+def ratios(times: list[float], base: list[float]) -> str:
+    """Median and range of the ratios within a round."""
+    each = [time / one for time, one in zip(times, base, strict=True)]
+    if each == [1.0] * len(each):
+        return "1"
+    return f"{number(statistics.median(each))} ({number(min(each))} to {number(max(each))})"
 
 
 def main() -> int:
@@ -189,8 +204,14 @@ def main() -> int:
     stay_on_one_core()
     work = make_work(max(rival.trials for rival in RIVALS))
     few, ours = work.first(CHECKED), work.first(1024)
-    lanes = prepare_lanes(ours)
-    warm = lanes()
+    lanes = {
+        EULER: prepare_lanes(ours, euler=True),
+        "Parkproof's lanes, plant by Runge-Kutta (default)": prepare_lanes(ours),
+        "Parkproof's lanes, plant by Euler, single precision": prepare_lanes(
+            ours, euler=True, precision="single"
+        ),
+    }
+    warm = [run() for run in lanes.values()][1]
     expected = {True: by_euler(few), False: Found(*(values[:CHECKED] for values in warm))}
     chosen = [rival for rival in RIVALS if rival.module in asked.only]
     ready: list[Measured] = []
@@ -199,11 +220,12 @@ def main() -> int:
         print(f"preparing {rival.name}", file=sys.stderr)
         made = make_ready(rival, work, expected)
         (missing if isinstance(made, str) else ready).append(made)  # type: ignore[arg-type]
-    own: list[float] = []
+    own: dict[str, list[float]] = {name: [] for name in lanes}
     theirs: list[list[float]] = [[] for _ in ready]
     for i in range(asked.rounds):
         print(f"round {i + 1} of {asked.rounds}", file=sys.stderr)
-        own.append(nanoseconds(lanes, len(ours.ways), work.samples))
+        for name, run in lanes.items():
+            own[name].append(nanoseconds(run, len(ours.ways), work.samples))
         for one, times in zip(ready, theirs, strict=True):
             times.append(nanoseconds(one.run, one.rival.trials, work.samples))
     print_table(work, len(ours.ways), own, list(zip(ready, theirs, strict=True)))

@@ -84,7 +84,18 @@ def negated_if_odd(_context: Any, x: Any, whole: Any) -> Any:  # noqa: ARG001
 
 
 def spow_single(x: float, p: float) -> float:
-    """⌈x⌋^p = sign(x)·2^(p·log2|x|); 0 where |x| is below the smallest normal number."""
+    """Signed power, compiled: ⌈x⌋^p = sign(x)·2^(p·log2|x|).
+
+    Parameters
+    ----------
+    x, p : single
+        Base and exponent.
+
+    Returns
+    -------
+    single
+        ⌈x⌋^p, and 0 where |x| is below the smallest normal number.
+    """
     size = abs(x)
     exponent, m = split(size)
     z = m - 1.0
@@ -107,7 +118,18 @@ def spow_single(x: float, p: float) -> float:
 
 
 def sine_single(x: float) -> float:
-    """Sine by reduction to [−π/2, π/2]; accurate for |x| below about 10³."""
+    """Sine, compiled, by reduction to [−π/2, π/2].
+
+    Parameters
+    ----------
+    x : single
+        Angle in rad; the sine is accurate for |x| below about 10³.
+
+    Returns
+    -------
+    single
+        sin x.
+    """
     whole = (fused(x, 1.0 / math.pi, ROUNDER)) - ROUNDER
     r = fused(-whole, PI_LOW, fused(-whole, PI_HIGH, x))
     g = r * r
