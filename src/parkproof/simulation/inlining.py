@@ -149,7 +149,12 @@ class InlinedCompiler(_Compiler):
 
 
 class KernelCompiler(_Compiler):
-    """Compiler of kernels."""
+    """Compiler of kernels, whose arrays and buffers do not overlap."""
+
+    def __init__(self, *arguments: Any) -> None:
+        super().__init__(*arguments)
+        # else each loop over two of them would begin by comparing where they are
+        self.state.flags.noalias = True
 
     def define_pipelines(self) -> list[Any]:
         """One pipeline."""

@@ -15,6 +15,7 @@ from numba import types
 from numba.extending import intrinsic
 
 from parkproof.scalar import sine, spow, tangent
+from parkproof.simulation.coefficients import table
 from parkproof.simulation.compiler import inlined, replace
 from parkproof.simulation.fused import fused
 from parkproof.simulation.single_polynomials import sine_single, spow_single
@@ -26,7 +27,8 @@ SQRT_HALF_BITS = 0x3FE6A09E667F3BCD
 SMALLEST_NORMAL = 2.2250738585072014e-308
 
 # log2(1 + z)/z, z from √½ − 1 to √2 − 1
-LOG = (
+LOG = table(
+    "logarithm",
     1.442695040888961, -0.7213475204444744, 0.48089834696635186, -0.36067376022931874,
     0.2885390074459846, -0.2404491717654101, 0.20609935165660867, -0.1803370456075891,
     0.16029707750652847, -0.14426173158514688, 0.13120223089953834, -0.12041875891128528,
@@ -34,13 +36,15 @@ LOG = (
     0.10097695102587106, -0.04694320952454281,
 )  # fmt: skip
 # 2^r for |r| ≤ ½
-EXP = (
+EXP = table(
+    "power of two",
     1.0, 0.69314718055995, 0.24022650695910097, 0.05550410866444772, 0.009618129107606888,
     0.0013333558230164974, 0.0001540353044173605, 1.5252657260200837e-05, 1.321544258792169e-06,
     1.0208690299958306e-07, 7.072585949269223e-09,
 )  # fmt: skip
 # (sin r − r)/r³ as a polynomial in r², |r| ≤ π/2
-SIN = (
+SIN = table(
+    "sine",
     -0.16666666666666666, 0.008333333333333316, -0.00019841269841254966, 2.7557319219160833e-06,
     -2.505210761669045e-08, 1.6058977292642743e-10, -7.643969663988074e-13, 2.7314368769379893e-15,
 )  # fmt: skip
@@ -77,11 +81,11 @@ def _spow_polynomial(x: float, p: float) -> float:
     z = m - 1.0  # divisions are slow: a longer polynomial is quicker than one in z/(z + 2)
     z2 = z * z
     z4 = z2 * z2
-    a = fused(fused(LOG[3], z, LOG[2]), z2, fused(LOG[1], z, LOG[0]))
-    b = fused(fused(LOG[7], z, LOG[6]), z2, fused(LOG[5], z, LOG[4]))
-    c = fused(fused(LOG[11], z, LOG[10]), z2, fused(LOG[9], z, LOG[8]))
-    d = fused(fused(LOG[15], z, LOG[14]), z2, fused(LOG[13], z, LOG[12]))
-    e = fused(LOG[17], z, LOG[16])
+    a = fused(fused(LOG(3), z, LOG(2)), z2, fused(LOG(1), z, LOG(0)))
+    b = fused(fused(LOG(7), z, LOG(6)), z2, fused(LOG(5), z, LOG(4)))
+    c = fused(fused(LOG(11), z, LOG(10)), z2, fused(LOG(9), z, LOG(8)))
+    d = fused(fused(LOG(15), z, LOG(14)), z2, fused(LOG(13), z, LOG(12)))
+    e = fused(LOG(17), z, LOG(16))
     series = fused(fused(fused(fused(e, z4, d), z4, c), z4, b), z4, a)
     log2 = fused(z, series, double_of(exponent + ROUNDER_BITS) - ROUNDER)
 
@@ -90,9 +94,9 @@ def _spow_polynomial(x: float, p: float) -> float:
     r = y - (shifted - ROUNDER)
     r2 = r * r
     r4 = r2 * r2
-    first = fused(fused(EXP[3], r, EXP[2]), r2, fused(EXP[1], r, EXP[0]))
-    second = fused(fused(EXP[7], r, EXP[6]), r2, fused(EXP[5], r, EXP[4]))
-    third = fused(EXP[10], r2, fused(EXP[9], r, EXP[8]))
+    first = fused(fused(EXP(3), r, EXP(2)), r2, fused(EXP(1), r, EXP(0)))
+    second = fused(fused(EXP(7), r, EXP(6)), r2, fused(EXP(5), r, EXP(4)))
+    third = fused(EXP(10), r2, fused(EXP(9), r, EXP(8)))
     fraction = fused(fused(third, r4, second), r4, first)
     power = double_of(bits_of(fraction) + (bits_of(shifted) << 52))
     # where the compiler knows the exponent to be 1, nothing is left of all this
@@ -106,14 +110,14 @@ def _sine_polynomial(x: float) -> float:
     k = shifted - ROUNDER
     r = fused(-k, PI_REST, fused(-k, math.pi, x))
     g = r * r
-    series = SIN[7]
-    series = fused(series, g, SIN[6])
-    series = fused(series, g, SIN[5])
-    series = fused(series, g, SIN[4])
-    series = fused(series, g, SIN[3])
-    series = fused(series, g, SIN[2])
-    series = fused(series, g, SIN[1])
-    series = fused(series, g, SIN[0])
+    series = SIN(7)
+    series = fused(series, g, SIN(6))
+    series = fused(series, g, SIN(5))
+    series = fused(series, g, SIN(4))
+    series = fused(series, g, SIN(3))
+    series = fused(series, g, SIN(2))
+    series = fused(series, g, SIN(1))
+    series = fused(series, g, SIN(0))
     value = fused(r * g, series, r)
     return double_of(bits_of(value) ^ (bits_of(shifted) << 63))
 

@@ -7,12 +7,12 @@ inside three small instructions, as compiled Python would make 64 bits of them.
 import math
 from typing import Any
 
-import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
+from parkproof.simulation.coefficients import table
 from parkproof.simulation.fused import fused
 
 ROUNDER = 12582912.0
@@ -23,24 +23,29 @@ SMALLEST_NORMAL = 1.1754943508222875e-38
 WORD, SINGLE = ir.IntType(32), ir.FloatType()
 
 
-def _singles(*numbers: float) -> tuple[np.float32, ...]:
-    return tuple(np.float32(number) for number in numbers)
-
-
 # log2(1 + z)/z, z from √½ − 1 to √2 − 1
-LOG = _singles(
+LOG = table(
+    "single logarithm",
     1.4426950216293335, -0.7213473320007324, 0.48089852929115295, -0.36069655418395996,
     0.28855255246162415, -0.23960812389850616, 0.20485764741897583, -0.19138838350772858,
     0.18476033210754395, -0.10749789327383041,
+    number=types.float32,
 )  # fmt: skip
 # 2^r for |r| ≤ ½
-EXP = _singles(
+EXP = table(
+    "single power of two",
     1.0, 0.6931471824645996, 0.24022650718688965, 0.05550327152013779, 0.009618056938052177,
     0.0013400427997112274, 0.00015461444854736328,
+    number=types.float32,
 )  # fmt: skip
 # (sin r − r)/r³ as a polynomial in r², |r| ≤ π/2
-SIN = _singles(
-    -0.1666666567325592, 0.008333242498338223, -0.0001982273970497772, 2.634756356201251e-06
+SIN = table(
+    "single sine",
+    -0.1666666567325592,
+    0.008333242498338223,
+    -0.0001982273970497772,
+    2.634756356201251e-06,
+    number=types.float32,
 )
 PI_HIGH, PI_LOW = 3.140625, 9.676535897932795e-4
 """π in two parts, of which small multiples of the first are exact."""
@@ -101,17 +106,17 @@ def spow_single(x: float, p: float) -> float:
     z = m - 1.0
     z2 = z * z
     z4 = z2 * z2
-    a = fused(fused(LOG[3], z, LOG[2]), z2, fused(LOG[1], z, LOG[0]))
-    b = fused(fused(LOG[7], z, LOG[6]), z2, fused(LOG[5], z, LOG[4]))
-    c = fused(LOG[9], z, LOG[8])
+    a = fused(fused(LOG(3), z, LOG(2)), z2, fused(LOG(1), z, LOG(0)))
+    b = fused(fused(LOG(7), z, LOG(6)), z2, fused(LOG(5), z, LOG(4)))
+    c = fused(LOG(9), z, LOG(8))
     log2 = fused(z, fused(fused(c, z4, b), z4, a), exponent)
 
     y = max(-125.0, min(127.0, p * log2))
     whole = (y + ROUNDER) - ROUNDER
     r = y - whole
     r2 = r * r
-    first = fused(fused(EXP[3], r, EXP[2]), r2, fused(EXP[1], r, EXP[0]))
-    second = fused(EXP[6], r2, fused(EXP[5], r, EXP[4]))
+    first = fused(fused(EXP(3), r, EXP(2)), r2, fused(EXP(1), r, EXP(0)))
+    second = fused(EXP(6), r2, fused(EXP(5), r, EXP(4)))
     power = times_power_of_two(fused(second, r2 * r2, first), whole)
     signed = x if p == 1.0 else math.copysign(power, x)
     return signed if size >= SMALLEST_NORMAL else 0.0
@@ -133,5 +138,5 @@ def sine_single(x: float) -> float:
     whole = (fused(x, 1.0 / math.pi, ROUNDER)) - ROUNDER
     r = fused(-whole, PI_LOW, fused(-whole, PI_HIGH, x))
     g = r * r
-    series = fused(fused(fused(SIN[3], g, SIN[2]), g, SIN[1]), g, SIN[0])
+    series = fused(fused(fused(SIN(3), g, SIN(2)), g, SIN(1)), g, SIN(0))
     return negated_if_odd(fused(r * g, series, r), whole)
