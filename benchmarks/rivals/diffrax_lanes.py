@@ -1,6 +1,6 @@
 """diffrax: Euler steps of one trial in a loop, vmapped over the trials and jitted.
 
-The step in force, its ends and the maxima are no part of a differential equation, so diffrax's
+The step in force, its ends and the metrics are no part of a differential equation, so diffrax's
 solver is stepped (as its documentation shows) inside a loop that carries them. With all of them
 forced into the state of one `diffeqsolve` it took 1.2 times as long.
 """
@@ -14,7 +14,8 @@ import jax.numpy as jnp
 import law_arrays
 import numpy as np
 from jax import lax
-from work import Found, Work
+from law import NOTHING_YET
+from work import Found, Work, found_from
 
 
 def prepare(work: Work) -> Callable[[], Found]:
@@ -31,7 +32,7 @@ def prepare(work: Work) -> Callable[[], Found]:
 
     def park(start: Any, way: Any, truth: Any) -> Any:
         def sample(k: Any, carried: Any) -> Any:
-            state, before, ends, largest = carried
+            state, before, ends, kept = carried
             t = k * h
             step = law_arrays.next_step(jnp, before, way, state, p)
             onward, back = step > before, step < before
@@ -40,21 +41,20 @@ def prepare(work: Work) -> Callable[[], Found]:
                 for i, end in enumerate(ends)
             )
             tau = law_arrays.inputs(jnp, step, way, state, p)
-            largest = law_arrays.maxima(jnp, largest, state, tau)
+            kept = law_arrays.metrics(jnp, t, kept, state, tau)
             state, *_ = solver.step(term, t, t + h, state, (tau, truth), None, made_jump=False)
-            return state, step, ends, largest
+            return state, step, ends, kept
 
         zero = jnp.zeros(())
-        begin = (tuple(start), zero + 1.0, (zero - 1.0,) * 3, (zero,) * 8)
-        _, _, ends, largest = lax.fori_loop(0, work.samples, sample, begin)
-        return jnp.stack(ends), jnp.stack(largest)
+        nothing = tuple(zero + x for x in NOTHING_YET)
+        begin = (tuple(start), nothing[0], nothing[1:4], nothing[4:])
+        _, step, ends, kept = lax.fori_loop(0, work.samples, sample, begin)
+        return jnp.stack((step, *ends, *kept))
 
     compiled = jax.jit(jax.vmap(park))
     given = [jnp.asarray(x) for x in (work.starts, work.ways, work.truths)]
 
     def run() -> Found:
-        ends, maxima = (np.array(x) for x in compiled(*given))
-        maxima[:, 7] **= 0.5
-        return Found(ends, maxima)
+        return found_from(np.array(compiled(*given)), work)
 
     return run

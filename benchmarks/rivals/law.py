@@ -9,8 +9,9 @@ import math
 
 from numba.extending import register_jitable
 
-NOTHING_YET = (1.0, -1.0, -1.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-"""What is kept of a trial before its first sample: Step 1, three ends, and eight maxima."""
+NOTHING_YET = (1.0, -1.0, -1.0, -1.0, *(0.0,) * 13, math.inf, -math.inf, *(0.0,) * 6)
+"""What is kept of a trial before its first sample: Step 1, three ends, the metrics (`work.METRICS`,
+before the roots and means of `work.found_from`), and τ1, τ2, x0 and x1 of the sample before."""
 
 
 @register_jitable
@@ -62,7 +63,9 @@ def inputs(step, way, x0, x1, x2, u0, u1, p):
 @register_jitable
 def decide(t, way, x0, x1, x2, u0, u1, kept, p):
     """Inputs at a sample, and what is kept of the trial with this sample."""
-    before, end1, end2, end3, tau1_max, tau2_max, max0, max1, max2, max3, max4, square = kept
+    before, end1, end2, end3, tau1_max, tau2_max, max0, max1, max2, max3, max4, far = kept[:12]
+    square1, square2, change1, change2, path, low, high, speed, turn = kept[12:21]
+    tau1_was, tau2_was, x0_was, x1_was = kept[21:]
     step = next_step(before, way, x0, x1, x2, u0, u1, p)
     if step > before:
         if before == 1.0:
@@ -74,10 +77,16 @@ def decide(t, way, x0, x1, x2, u0, u1, kept, p):
     elif step < before:
         end1, end2, end3 = -1.0, -1.0, -1.0
     tau1, tau2 = inputs(step, way, x0, x1, x2, u0, u1, p)
+    if t > 0.0:
+        change1, change2 = change1 + abs(tau1 - tau1_was), change2 + abs(tau2 - tau2_was)
+        path += math.sqrt((x0 - x0_was) * (x0 - x0_was) + (x1 - x1_was) * (x1 - x1_was))
+    square = 1.0 + x2 * x2
     kept = (
         step, end1, end2, end3, max(tau1_max, abs(tau1)), max(tau2_max, abs(tau2)),
         max(max0, abs(x0)), max(max1, abs(x1)), max(max2, abs(x2)), max(max3, abs(u0)),
-        max(max4, abs(u1)), max(square, x0 * x0 + x1 * x1),
+        max(max4, abs(u1)), max(far, x0 * x0 + x1 * x1), square1 + tau1 * tau1,
+        square2 + tau2 * tau2, change1, change2, path, min(low, x0), max(high, x0),
+        max(speed, u0 * u0 * square), max(turn, abs(u1) / square), tau1, tau2, x0, x1,
     )  # fmt: skip
     return tau1, tau2, kept
 

@@ -61,7 +61,26 @@ def rates(xp: Any, t: Any, state: Any, tau: Any, truth: Any) -> tuple[Any, ...]:
     )
 
 
-def maxima(xp: Any, largest: Any, state: Any, tau: Any) -> tuple[Any, ...]:
-    """Running maxima with this sample; the last is of the squared distance from the goal."""
-    sizes = (*(xp.abs(value) for value in (*tau, *state)), state[0] ** 2 + state[1] ** 2)
-    return tuple(xp.maximum(old, new) for old, new in zip(largest, sizes, strict=True))
+def metrics(xp: Any, t: Any, kept: Any, state: Any, tau: Any) -> tuple[Any, ...]:
+    """What is kept beside steps and ends, with this sample; in the order of `law.NOTHING_YET`."""
+    x0, x1, x2, u0, u1 = state
+    largest, sums, low, high, speed, turn, before = (
+        kept[:8], kept[8:13], *kept[13:17], kept[17:]
+    )  # fmt: skip
+    sizes = (*(xp.abs(value) for value in (*tau, *state)), x0**2 + x1**2)
+    length = xp.sqrt((x0 - before[2]) ** 2 + (x1 - before[3]) ** 2)
+    changes = (xp.abs(tau[0] - before[0]), xp.abs(tau[1] - before[1]), length)
+    later = xp.where(t > 0.0, 1.0, 0.0)
+    more = (tau[0] ** 2, tau[1] ** 2, *(later * change for change in changes))
+    square = 1.0 + x2**2
+    return (
+        *(xp.maximum(old, new) for old, new in zip(largest, sizes, strict=True)),
+        *(old + new for old, new in zip(sums, more, strict=True)),
+        xp.minimum(low, x0),
+        xp.maximum(high, x0),
+        xp.maximum(speed, u0**2 * square),
+        xp.maximum(turn, xp.abs(u1) / square),
+        *tau,
+        x0,
+        x1,
+    )

@@ -4,7 +4,8 @@ from collections.abc import Callable
 
 import law_arrays
 import numpy as np
-from work import Found, Work
+from law import NOTHING_YET
+from work import Found, Work, found_from
 
 
 def prepare(work: Work) -> Callable[[], Found]:
@@ -15,7 +16,7 @@ def prepare(work: Work) -> Callable[[], Found]:
     def run() -> Found:
         state = list(work.starts.T.copy())
         step, ends = np.ones(len(way)), np.full((3, len(way)), -1.0)
-        largest: tuple[np.ndarray, ...] = tuple(np.zeros((8, len(way))))
+        kept: tuple[np.ndarray, ...] = tuple(np.full(len(way), x) for x in NOTHING_YET[4:])
         for k in range(work.samples):
             t, before = k * h, step
             step = law_arrays.next_step(np, before, way, state, p)
@@ -26,11 +27,9 @@ def prepare(work: Work) -> Callable[[], Found]:
                 else:
                     ends[:, j] = -1.0
             tau = law_arrays.inputs(np, step, way, state, p)
-            largest = law_arrays.maxima(np, largest, state, tau)
+            kept = law_arrays.metrics(np, t, kept, state, tau)
             rates = law_arrays.rates(np, t, state, tau, truth)
             state = [x + h * rate for x, rate in zip(state, rates, strict=True)]
-        maxima = np.array(largest).T
-        maxima[:, 7] **= 0.5
-        return Found(ends.T, maxima)
+        return found_from(np.array([step, *ends, *kept]).T, work)
 
     return run

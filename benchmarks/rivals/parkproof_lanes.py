@@ -4,15 +4,11 @@ from collections.abc import Callable
 from functools import partial
 
 import numpy as np
-from work import Found, Work
+from work import METRICS, Found, Work
 
 from parkproof.simulation.ensemble import simulate_trials
 from parkproof.simulation.lanes import kernel
 from parkproof.simulation.trials import Precision, trials_of
-
-MAXIMA = (
-    "peak_tau1", "peak_tau2", "max_x0", "max_x1", "max_x2", "max_u0", "max_u1", "excursion",
-)  # fmt: skip
 
 
 def prepare(
@@ -32,6 +28,6 @@ def prepare(
         finally:
             kernel.kernel_of = usual
         ends = np.array([rows[f"end{i}"] for i in (1, 2, 3)]).T
-        return Found(np.nan_to_num(ends, nan=-1.0), np.array([rows[name] for name in MAXIMA]).T)
+        return Found(np.nan_to_num(ends, nan=-1.0), np.array([rows[name] for name in METRICS]).T)
 
     return run

@@ -13,18 +13,30 @@ from parkproof.model.signals import signal_value
 from parkproof.model.truth import channel, scales
 
 
-def found_of(ends: dict[int, float], columns: dict[str, Any]) -> Found:
+def found_of(ends: dict[int, float], columns: dict[str, Any], duration: float) -> Found:
     """What is kept of one trial, from its samples."""
     largest = [np.max(np.abs(columns[n])) for n in ("tau1", "tau2", "x0", "x1", "x2", "u0", "u1")]
-    excursion = np.max(np.hypot(columns["x0"], columns["x1"]))
+    x0, x1, square = columns["x0"], columns["x1"], 1.0 + columns["x2"] ** 2
+    taus = [columns[name] for name in ("tau1", "tau2")]
+    metrics = [
+        *largest,
+        np.max(np.hypot(x0, x1)),
+        *(np.sqrt(np.mean(tau**2)) for tau in taus),
+        *(np.sum(np.abs(np.diff(tau))) / duration for tau in taus),
+        np.sum(np.hypot(np.diff(x0), np.diff(x1))),
+        np.min(x0),
+        np.max(x0),
+        np.sqrt(np.max(columns["u0"] ** 2 * square)),
+        np.max(np.abs(columns["u1"]) / square),
+    ]
     kept = [ends.get(i, -1.0) for i in (1, 2, 3)]
-    return Found(np.array([kept]), np.array([[*largest, excursion]]))
+    return Found(np.array([kept]), np.array([metrics]))
 
 
 def together(trials: list[Found]) -> Found:
     """Trials below each other."""
-    ends, maxima = zip(*trials, strict=True)
-    return Found(np.vstack(ends), np.vstack(maxima))
+    ends, metrics = zip(*trials, strict=True)
+    return Found(np.vstack(ends), np.vstack(metrics))
 
 
 def prepare(work: Work) -> Callable[[], Found]:
@@ -33,7 +45,7 @@ def prepare(work: Work) -> Callable[[], Found]:
     def park(scenario: Scenario) -> Found:
         done = simulate(scenario)
         times = {int(i): t for i, t in done.settling_time.steps.items() if t is not None}
-        return found_of(times, done.trajectory)
+        return found_of(times, done.trajectory, scenario.run.duration)
 
     return lambda: together([park(scenario) for scenario in work.scenarios])
 
@@ -79,4 +91,5 @@ def _by_euler(scenario: Scenario) -> Found:
         rates = (*chained_rates(state.x2, state.u0, state.u1, *gains), *last_states)
         state = ChainedState(*(x + h * rate for x, rate in zip(state, rates, strict=True)))
     names = ("x0", "x1", "x2", "u0", "u1", "tau1", "tau2")
-    return found_of(ends, dict(zip(names, np.array(samples).T, strict=True)))
+    columns = dict(zip(names, np.array(samples).T, strict=True))
+    return found_of(ends, columns, scenario.run.duration)

@@ -6,7 +6,7 @@ from typing import Any
 import law
 import numpy as np
 from scipy.integrate import solve_ivp
-from work import Found, Work
+from work import Found, Work, found_from
 
 
 def prepare(work: Work) -> Callable[[], Found]:
@@ -29,8 +29,6 @@ def prepare(work: Work) -> Callable[[], Found]:
 
     def run() -> Found:
         last = np.array([park(j) for j in range(len(work.ways))])
-        maxima = last[:, 4:].copy()
-        maxima[:, 7] **= 0.5
-        return Found(last[:, 1:4], maxima)
+        return found_from(last, work)
 
     return run

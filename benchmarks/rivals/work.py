@@ -2,7 +2,7 @@
 
 A trial is a start inside the chart under the corrected law in its explicit form, with α1, α2 and
 four sines (γ1, γ2, φ1, φ2) of its own inside the paper's bounds, for 15 s at 1 ms. Kept are the
-times at which Steps 1 to 3 ended and eight running maxima.
+times at which Steps 1 to 3 ended, and 17 metrics.
 """
 
 import math
@@ -21,8 +21,12 @@ DURATION = 15.0
 LOW, HIGH = (-1.0, -0.5, -0.5, -1.0, -1.0), (1.0, 0.5, 0.5, 3.0, 1.0)
 """The box of starts: x0, x1, x2, u0, u1."""
 
-MAXIMA = ("tau1", "tau2", "x0", "x1", "x2", "u0", "u1", "excursion")
-"""Largest magnitudes, and the largest distance from the goal."""
+METRICS = (
+    "peak_tau1", "peak_tau2", "max_x0", "max_x1", "max_x2", "max_u0", "max_u1", "excursion",
+    "rms_tau1", "rms_tau2", "total_variation_tau1", "total_variation_tau2", "path_length",
+    "least_x0", "largest_x0", "max_speed", "max_turn_rate",
+)  # fmt: skip
+"""What is kept of a trial beside the ends of its steps, in the names of `simulate_ensemble`."""
 
 Floats = NDArray[np.float64]
 
@@ -54,10 +58,10 @@ class Work(NamedTuple):
 
 
 class Found(NamedTuple):
-    """When Steps 1 to 3 ended in s (−1 where they did not), and `MAXIMA`: a row a trial."""
+    """When Steps 1 to 3 ended in s (−1 where they did not), and `METRICS`: a row a trial."""
 
     ends: Floats
-    maxima: Floats
+    metrics: Floats
 
 
 def scenario_of(start: Any, truth: Any) -> Scenario:
@@ -96,3 +100,13 @@ def make_work(count: int) -> Work:
     ways = [better_direction(*start[:4], p) for start in starts.tolist()]
     period, samples = one.run.control_period, one.run.samples
     return Work(scenarios, p, period, samples, starts, np.array(ways), truths)
+
+
+def found_from(kept: Floats, work: Work) -> Found:
+    """Take the roots and means of what is kept: a row a trial, as in `law.NOTHING_YET`."""
+    metrics = kept[:, 4:21].copy()
+    metrics[:, 8:10] /= work.samples
+    metrics[:, 10:12] /= work.samples * work.period
+    rooted = [7, 8, 9, 15]
+    metrics[:, rooted] **= 0.5
+    return Found(kept[:, 1:4], metrics)

@@ -48,6 +48,9 @@ SIN = table(
     -0.16666666666666666, 0.008333333333333316, -0.00019841269841254966, 2.7557319219160833e-06,
     -2.505210761669045e-08, 1.6058977292642743e-10, -7.643969663988074e-13, 2.7314368769379893e-15,
 )  # fmt: skip
+LIMITS = table("limits of powers", SMALLEST_NORMAL, -1021.0, 1023.0)
+PLACES = table("places of numbers", 1.0, ROUNDER)
+BITS = table("bits of numbers", SQRT_HALF_BITS, ROUNDER_BITS, number=types.int64)
 PI_REST = 1.2246467991473532e-16
 """What π is more than the nearest double."""
 
@@ -76,9 +79,9 @@ def _spow_polynomial(x: float, p: float) -> float:
     """⌈x⌋^p = sign(x)·2^(p·log2|x|); 0 where |x| is below the smallest normal number."""
     size = abs(x)
     bits = bits_of(size)
-    exponent = (bits - SQRT_HALF_BITS) >> 52
+    exponent = (bits - BITS(0)) >> 52
     m = double_of(bits - (exponent << 52))
-    z = m - 1.0  # divisions are slow: a longer polynomial is quicker than one in z/(z + 2)
+    z = m - PLACES(0)  # divisions are slow: a longer polynomial is quicker than one in z/(z + 2)
     z2 = z * z
     z4 = z2 * z2
     a = fused(fused(LOG(3), z, LOG(2)), z2, fused(LOG(1), z, LOG(0)))
@@ -87,11 +90,11 @@ def _spow_polynomial(x: float, p: float) -> float:
     d = fused(fused(LOG(15), z, LOG(14)), z2, fused(LOG(13), z, LOG(12)))
     e = fused(LOG(17), z, LOG(16))
     series = fused(fused(fused(fused(e, z4, d), z4, c), z4, b), z4, a)
-    log2 = fused(z, series, double_of(exponent + ROUNDER_BITS) - ROUNDER)
+    log2 = fused(z, series, double_of(exponent + BITS(1)) - PLACES(1))
 
-    y = max(-1021.0, min(1023.0, p * log2))
-    shifted = y + ROUNDER
-    r = y - (shifted - ROUNDER)
+    y = max(LIMITS(1), min(LIMITS(2), p * log2))
+    shifted = y + PLACES(1)
+    r = y - (shifted - PLACES(1))
     r2 = r * r
     r4 = r2 * r2
     first = fused(fused(EXP(3), r, EXP(2)), r2, fused(EXP(1), r, EXP(0)))
@@ -101,7 +104,7 @@ def _spow_polynomial(x: float, p: float) -> float:
     power = double_of(bits_of(fraction) + (bits_of(shifted) << 52))
     # where the compiler knows the exponent to be 1, nothing is left of all this
     signed = x if p == 1.0 else math.copysign(power, x)
-    return signed if size >= SMALLEST_NORMAL else 0.0
+    return signed if size >= LIMITS(0) else 0.0
 
 
 def _sine_polynomial(x: float) -> float:

@@ -37,12 +37,19 @@ RENEWED = 32
 
 
 @inlined
+def place_of(kinds, i, m):
+    """Where the rows of a signal's tone begin."""
+    # the compiler sees that it is no negative number, and that rows after it do not overlap
+    return ((i * kinds.shape[1] + m) & 0xFFFF) * TONE
+
+
+@inlined
 def prepare_turns(tones, kinds, part):
     """Find by which rotations waves go on by a part of a second."""
     for i in range(SIGNALS):
         for m in range(kinds.shape[1]):
             if kinds[i, m] != UNUSED:
-                tone = (i * kinds.shape[1] + m) * TONE
+                tone = place_of(kinds, i, m)
                 for j in range(tone, tone + BLOCK):
                     angle = tones[OMEGA + j] * part
                     tones[TURN_SINE + j], tones[TURN_COSINE + j] = sine(angle), cosine(angle)
@@ -54,7 +61,7 @@ def renew(tones, kinds, t):
     for i in range(SIGNALS):
         for m in range(kinds.shape[1]):
             if kinds[i, m] != UNUSED:
-                tone = (i * kinds.shape[1] + m) * TONE
+                tone = place_of(kinds, i, m)
                 for j in range(tone, tone + BLOCK):
                     angle = tones[OMEGA + j] * t + tones[PHASE + j]
                     tones[SINE + j], tones[COSINE + j] = sine(angle), cosine(angle)
@@ -86,7 +93,7 @@ def first_signals(b, tones, kinds, t):
     """Find the signals that vary where the first step starts, as if another had ended there."""
     for i in range(SIGNALS):
         for m in range(kinds.shape[1]):
-            tone = (i * kinds.shape[1] + m) * TONE
+            tone = place_of(kinds, i, m)
             if kinds[i, m] == SQUARES:
                 add(b, tones, i, m, tone, True, t)
             elif kinds[i, m] != UNUSED:
@@ -130,7 +137,7 @@ def signals_of_step(b, tones, kinds, t, h, i, steps, k):
         middle, end = start + 0.5 * part, time_in_period(t, h, i + 1, steps)
         for signal in range(SIGNALS):
             for m in range(kinds.shape[1]):
-                tone = (signal * kinds.shape[1] + m) * TONE
+                tone = place_of(kinds, signal, m)
                 if kinds[signal, m] == SQUARES:
                     go_on(b, tones, signal, m, tone, True, middle, end)
                 elif kinds[signal, m] != UNUSED:
@@ -162,7 +169,7 @@ def signals_at_start(b, tones, kinds, t, h, i, steps, k):
             renew(tones, kinds, start)
         for signal in range(SIGNALS):
             for m in range(kinds.shape[1]):
-                tone = (signal * kinds.shape[1] + m) * TONE
+                tone = place_of(kinds, signal, m)
                 if kinds[signal, m] == SQUARES:
                     start_and_go_on(b, tones, signal, m, tone, True, start)
                 elif kinds[signal, m] != UNUSED:
