@@ -1,5 +1,6 @@
 """Kernels on disk: found again, and never in the way."""
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -57,6 +58,22 @@ def test_where_nothing_can_be_written_kernels_are_compiled(folder: Path) -> None
     folder.write_text("a file, not a folder")
     kernel = adder(1.0, "one")
     assert (kernel(1.0), hits(kernel)) == (2.0, 0)
+
+
+def test_kernels_of_other_sources_are_removed_when_long_unused(folder: Path) -> None:
+    old, recent, other = (folder / f"kernels-{name}" for name in ("0" * 16, "1" * 16, "of mine"))
+    for path in (old, recent, other):
+        path.mkdir(parents=True)
+        (path / "a kernel").write_text("")
+    for path in (old, other):
+        os.utime(path, (0.0, 0.0))
+    adder(1.0, "one")(1.0)
+    assert {path.name for path in folder.iterdir()} == {
+        recent.name, other.name, cache_folder().name
+    }  # fmt: skip
+    os.utime(cache_folder(), (0.0, 0.0))
+    adder(1.0, "one")(1.0)  # loading is use, too
+    assert cache_folder().stat().st_mtime > 0.0
 
 
 @pytest.mark.usefixtures("folder")

@@ -2,14 +2,18 @@
 
 They are in ``$PARKPROOF_CACHE_DIR``, or else where the platform keeps what can be made again. A
 folder belongs to one state of this package's sources, since numba itself would not notice an edit
-in a function that a kernel calls. Whatever goes wrong with files, be it a full disk, a folder that
-may not be written or a damaged file, costs no more than compiling again.
+in a function that a kernel calls; folders that no run has used for long are removed. Whatever goes
+wrong with files, be it a full disk, a folder that may not be written or a damaged file, costs no
+more than compiling again.
 """
 
 import contextlib
 import hashlib
 import os
+import re
+import shutil
 import sys
+import time
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -18,6 +22,9 @@ import numba
 from numba.core import caching, config
 
 import parkproof
+
+KEPT_FOR = 60 * 86400.0
+"""Seconds without use after which a folder of other sources is removed."""
 
 
 def cache_folder() -> Path:
@@ -60,6 +67,16 @@ def _state_of_sources() -> str:
     return digest.hexdigest()[:16]
 
 
+def _note_use(folder: Path) -> None:
+    """Remember that a folder is used, and remove others that have not been for long."""
+    with contextlib.suppress(OSError):
+        os.utime(folder)
+        for other in folder.parent.iterdir():
+            named = re.fullmatch(r"kernels-[0-9a-f]{16}", other.name)
+            if named and other.stat().st_mtime < time.time() - KEPT_FOR:
+                shutil.rmtree(other, ignore_errors=True)
+
+
 class _InOneFolder(caching.CompileResultCacheImpl):
     """Files in the folder given to numba, and nowhere else."""
 
@@ -71,9 +88,9 @@ class _Kept(caching.FunctionCache):
 
     _impl_class = _InOneFolder
 
-    def __init__(self, function: Any, name: str) -> None:
+    def __init__(self, function: Any, name: str, folder: Path) -> None:
         super().__init__(function)
-        self._kernel = name
+        self._kernel, self._folder = name, folder
 
     def _index_key(self, sig: Any, codegen: Any) -> Any:
         # numba would take the functions that a kernel is put together from, which compare unequal
@@ -81,7 +98,10 @@ class _Kept(caching.FunctionCache):
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         try:
-            return super().load_overload(sig, target_context)
+            found = super().load_overload(sig, target_context)
+            if found is not None:
+                _note_use(self._folder)
+            return found
         except Exception:  # a damaged file can raise anything
             with contextlib.suppress(OSError):
                 self.flush()
@@ -90,6 +110,7 @@ class _Kept(caching.FunctionCache):
     def save_overload(self, sig: Any, data: Any) -> None:
         with contextlib.suppress(OSError):
             super().save_overload(sig, data)
+        _note_use(self._folder)
 
 
 def keep(kernel: Any, name: str) -> Any:
@@ -116,8 +137,9 @@ def keep(kernel: Any, name: str) -> Any:
     settings: Any = config
     before = settings.CACHE_DIR
     try:
-        settings.CACHE_DIR = str(cache_folder())
-        kernel._cache = _Kept(kernel.py_func, name)
+        folder = cache_folder()
+        settings.CACHE_DIR = str(folder)
+        kernel._cache = _Kept(kernel.py_func, name, folder)
     except (OSError, RuntimeError):  # nowhere to write
         pass
     finally:
