@@ -223,6 +223,9 @@ def _bars(axes: "Axes", values: Floats, apart: Flags | None) -> None:
         axes.set_xscale("log")
     else:
         axes.xaxis.set_major_formatter(FuncFormatter(_tick))
+        axes.xaxis.set_major_locator(
+            MaxNLocator(5, steps=[1, 2, 5, 10])
+        )  # labels such as 0.00025 are long
     if len(values) >= MANY:
         axes.set_yscale("log")
         axes.yaxis.set_major_formatter(FuncFormatter(_tick))
