@@ -1,5 +1,6 @@
 """Trials in single precision: the same source, for statistics only."""
 
+import json
 import math
 from collections.abc import Callable
 from pathlib import Path
@@ -16,11 +17,18 @@ from parkproof.campaign.run import run_campaign
 from parkproof.campaign.table import row_of
 from parkproof.cli import main
 from parkproof.errors import InputError
+from parkproof.laws.gains import Switching
+from parkproof.model.truth import Truth
+from parkproof.report.campaign import write_report
 from parkproof.scalar import sine, spow, tangent
-from parkproof.scenario import Scenario, Start
+from parkproof.scenario import Limits, Scenario, Start
 from parkproof.simulation.compiler import KERNEL, inlined, register
 from parkproof.simulation.ensemble import simulate_ensemble
+from parkproof.simulation.lanes.buffer import BLOCK, PATH, ROWS
+from parkproof.simulation.lanes.memory import Buffer, like
+from parkproof.simulation.lanes.sums import add_to
 from parkproof.simulation.run import simulate
+from parkproof.simulation.single import has_singles
 from robot_scenarios import COMBINATIONS, trials
 
 Make = Callable[..., Scenario]
@@ -126,7 +134,7 @@ def test_most_trials_settle_at_the_same_sample(section4: Make, form: str) -> Non
     assert not np.array_equal(double["path_length"], single["path_length"])
 
 
-@pytest.mark.parametrize("combination", COMBINATIONS[::2] + COMBINATIONS[3:4])
+@pytest.mark.parametrize("combination", COMBINATIONS)
 def test_short_runs_of_every_kind_of_robot_are_near(combination: Any) -> None:
     some = trials(*combination)
     double, single = (
@@ -137,13 +145,50 @@ def test_short_runs_of_every_kind_of_robot_are_near(combination: Any) -> None:
         assert single[name] == pytest.approx(double[name], rel=5e-3, abs=5e-3)
 
 
-def test_a_single_lane_does_not_depend_on_its_company(section4: Make) -> None:
-    some = starts(section4, 70)
-    whole = simulate_ensemble(some, precision="single")
+@pytest.mark.parametrize("combination", [None, COMBINATIONS[2], COMBINATIONS[5]])
+def test_a_single_lane_does_not_depend_on_its_company(section4: Make, combination: Any) -> None:
+    """Nor on threads; in both forms, with cameras, noise and latency."""
+    some = starts(section4, 70) if combination is None else trials(*combination)
+    whole = simulate_ensemble(some, precision="single", threads=2)
     alone = simulate_ensemble(some[3:4], precision="single")
     assert all(
         np.array_equal(whole[name][3:4], alone[name], equal_nan=name != "outcome") for name in whole
     )
+
+
+@pytest.mark.parametrize("time", [0.3, 0.6, 0.7])
+def test_a_given_time_of_switching_is_the_same_sample(section4: Make, time: float) -> None:
+    law = section4("published", switching=Switching(to_step2=time), duration=1.0)
+    found = [simulate_ensemble([law], precision=p)["end1"][0] for p in ("double", "single")]  # type: ignore[arg-type]
+    assert found == [pytest.approx(time), found[0]]
+
+
+def test_a_long_sum_in_singles_does_not_fall_behind() -> None:
+    @numba.njit(**KERNEL)  # type: ignore[untyped-decorator]
+    def fill(b: Any, count: int) -> None:
+        for _ in range(count):
+            add_to(b, PATH, 0, like(b, 1e-4))
+
+    for single, allowed in ((True, 1e-6), (False, 1e-9)):
+        room = np.zeros(BLOCK * len(ROWS))
+        buffer = Buffer(room, single=single)
+        fill(buffer, 3_000_000)
+        assert buffer.numbers[PATH] == pytest.approx(300.0, rel=allowed)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"limits": Limits(tau=(1e300, 1.0))}, "limits has the number 1e+300"),
+        ({"truth": Truth(gamma=(1e39, 1.0), outside_bounds=True)}, "truth has the number 1e+39"),
+        ({"duration": 5000.0}, "5,000,000 samples in precision"),
+    ],
+)
+def test_what_singles_cannot_hold_is_refused(section4: Make, changes: Any, said: str) -> None:
+    with pytest.raises(InputError) as raised:
+        simulate_ensemble([section4("corrected", **changes)], precision="single")
+    assert str(raised.value).startswith(said)
+    assert 'precision = "double"' in str(raised.value)
 
 
 def test_what_is_no_precision_is_refused(section4: Make) -> None:
@@ -179,14 +224,29 @@ def test_a_campaign_in_singles_says_so_and_is_no_witness_of_a_proof(
     assert row_of(out, 3)["path_length"] == alone["path_length"][0]
     said = trial_of(out, 3).compared(simulate(scenario))
     assert said.startswith("In the campaign, in single precision: parked after")
+    page = write_report(out, study=0).read_text(encoding="utf-8")
+    assert "Carried out in single precision." in page
     proof.write_text("{}", encoding="utf-8")
+    with pytest.raises(InputError, match="cannot be compared with trials in precision"):
+        write_report(out, certificate=proof, study=0)
     assert main(["campaign", str(file), "--out", str(out), "--certificate", str(proof)]) == 2
     assert 'precision = "single"' in " ".join(capsys.readouterr().err.split())
 
 
-def test_types_that_hold_singles_are_known() -> None:
-    from parkproof.simulation.single import has_singles
+def test_a_campaign_from_before_there_was_a_choice_goes_on(tmp_path: Path) -> None:
+    out, file = tmp_path / "out", tmp_path / "campaign.toml"
+    file.write_text(CAMPAIGN.replace('precision = "single"\n', ""), encoding="utf-8")
+    run_campaign(read_campaign(file), out)
+    record = json.loads((out / "campaign.json").read_text(encoding="utf-8"))
+    assert record["precision"] == record["campaign"].pop("precision") == "double"
+    (out / "campaign.json").write_text(json.dumps(record), encoding="utf-8")
+    run_campaign(read_campaign(file, overrides=["trials=12"]), out)
+    assert row_of(out, 11)["outcome"] == "parked"
+    with pytest.raises(InputError, match='precision is "double" there and "single" here'):
+        run_campaign(read_campaign(file, overrides=["precision=single"]), out)
 
+
+def test_types_that_hold_singles_are_known() -> None:
     singles = types.UniTuple(types.float32, 2)
     assert has_singles(types.Tuple((types.int64, singles)))
     assert has_singles(types.Array(types.float32, 1, "C"))

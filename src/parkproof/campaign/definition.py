@@ -156,8 +156,6 @@ def check_trials(trials: int, draws: Draws) -> None:
         How many.
     draws : "sobol" or "independent"
         How they are drawn.
-    precision : "double" or "single"
-        How precisely trials are carried out.
 
     Raises
     ------

@@ -77,6 +77,7 @@ class CampaignDirectory:
             "trials": plain["trials"],
             "seed": plain["seed"],
             "draws": plain["draws"],
+            "precision": plain["precision"],
             "finished": finished,
             "digest": digest_of(plain),
             "campaign": plain,
@@ -131,7 +132,8 @@ def open_directory(path: Path, plain: dict[str, Any]) -> Iterator[CampaignDirect
 
     Examples
     --------
-    >>> plain = {"law": "corrected", "trials": 8, "seed": 0, "draws": "sobol"}
+    >>> plain = {"law": "corrected", "trials": 8, "seed": 0, "draws": "sobol",
+    ...          "precision": "double"}
     >>> with open_directory(directory / "out", plain) as opened:
     ...     opened.add((0, 4), b"")
     ...     opened.missing()
@@ -221,7 +223,8 @@ def read_record(path: Path) -> dict[str, Any]:
     try:
         record = json.loads((path / RECORD).read_text(encoding="utf-8"))
         if isinstance(record["campaign"], dict) and isinstance(record["trials"], int):
-            return dict(record)
+            # before there was a choice, all was double
+            return {**record, "campaign": {"precision": "double", **record["campaign"]}}
     except (FileNotFoundError, NotADirectoryError) as error:
         raise InputError(
             f"{path}: is no directory of a campaign (it has no {RECORD}); give the --out of "

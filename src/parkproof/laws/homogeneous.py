@@ -60,7 +60,8 @@ def level_at(x1: float, x2: float, u1: float, p: LawParameters) -> float:
     c5 = 2.0 * p.P12 * z1 * z2
     c4 = p.P22 * z2 * z2 + 2.0 * p.P13 * z1 * z3
     c3 = 2.0 * p.P23 * z2 * z3
-    c2 = p.P33 * z3 * z3 + 1e-200  # never 0, not even at the goal
+    c2 = p.P33 * z3 * z3 + 1e-200  # never 0, not even at the goal; as a single it is, and then
+    # w is found by halving alone
     low, high, w = NARROWEST, p.widest, 1.0
     for _ in range(STEPS):
         square = w * w

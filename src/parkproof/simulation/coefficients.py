@@ -12,6 +12,9 @@ from numba import types
 from numba.core.cpu import CPUContext
 from numba.extending import intrinsic
 
+_TABLES: dict[str, tuple[float, ...]] = {}
+"""Numbers by name: where two have one, the linker would take either."""
+
 
 def table(name: str, *numbers: float, number: types.Float = types.float64) -> Any:
     """Make a table of numbers for compiled code.
@@ -30,6 +33,11 @@ def table(name: str, *numbers: float, number: types.Float = types.float64) -> An
     callable
         Called in compiled code with a written index, it gives that number.
 
+    Raises
+    ------
+    ValueError
+        If another table has the name.
+
     Examples
     --------
     >>> import numba
@@ -38,6 +46,8 @@ def table(name: str, *numbers: float, number: types.Float = types.float64) -> An
     3.5
     """
     label = f"parkproof.{name}"
+    if _TABLES.setdefault(label, numbers) != numbers:
+        raise ValueError(f"there is another table of the name {name}; choose another name")
 
     @intrinsic(prefer_literal=True)
     def entry(_context: Any, index: Any) -> Any:

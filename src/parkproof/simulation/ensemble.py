@@ -26,6 +26,7 @@ from parkproof.simulation.lanes.buffer import (
 )
 from parkproof.simulation.metrics import RESIDUAL_WINDOW, STATE_NAMES
 from parkproof.simulation.outcome import Outcome
+from parkproof.simulation.precision import check_precision, check_singles
 from parkproof.simulation.run import HOLD, integration_steps
 from parkproof.simulation.trials import Precision, Trials, trials_of
 
@@ -66,8 +67,8 @@ def simulate_ensemble(
         What computes: this computer's processor, or its NVIDIA graphics processor, where results
         agree to rounding.
     precision : "double" or "single"
-        Singles are more than twice as fast. They are for statistics: most settling times are the
-        same, the others some periods off. On this computer's processor only.
+        Singles take half the time. They are for statistics: settling times of some trials are some
+        periods off (docs/numerics.md says how many). On this computer's processor only.
 
     Returns
     -------
@@ -84,7 +85,7 @@ def simulate_ensemble(
     ------
     InputError
         If there are no trials, or they differ in more than that, or there is no such device or
-        precision.
+        precision, or not for these numbers.
 
     Examples
     --------
@@ -140,7 +141,7 @@ def simulate_trials(
     Raises
     ------
     InputError
-        If there is no such device or precision.
+        If there is no such device or precision, or not for these numbers.
 
     Examples
     --------
@@ -152,13 +153,7 @@ def simulate_trials(
     """
     if device not in get_args(Device):
         raise InputError(f'device = "{device}": there is no such device; write "cpu" or "cuda"')
-    if precision not in get_args(Precision):
-        raise InputError(f'precision = "{precision}": must be "double" or "single"; write one')
-    if precision == "single" and device != "cpu":
-        raise InputError(
-            'precision = "single" with device = "cuda": a graphics processor computes in double '
-            "precision only; leave one of them out"
-        )
+    check_precision(precision, device)
     run, limits = scenario.run, scenario.limits
     sensing = Sensing(run.delay_samples, run.deviations)
     p = law_parameters(
@@ -178,6 +173,8 @@ def simulate_trials(
         limits.turn_rate or none,
         *(limits.view or (-none, none, -none, none)),
     )
+    if precision == "single":
+        check_singles((p, clock, lane_limits, sensing), trials)
     out = np.empty((len(RESULTS), len(trials)))
     smooth, jumping = (integration_steps(run, jumps=jumps) for jumps in (False, True))
     sizes = np.where(trials.jump, jumping, smooth)

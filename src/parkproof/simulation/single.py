@@ -1,8 +1,9 @@
-"""Single precision from the same source: written numbers are as precise as those they meet.
+"""Single precision from the same source: written numbers become singles, too.
 
-In Python ``0.5`` is a double, and whatever is multiplied by it becomes one. A function that is
-compiled for singles takes its written numbers, and those of the modules that it names, as singles.
-What it works out from doubles alone, such as times, stays double.
+In Python ``0.5`` is a double, and whatever is multiplied by it becomes one. A function any argument
+of which is single, or holds singles, takes all numbers that are written in it, and those of the
+modules that it names, as singles; those in tuples stay as they are. Times are doubles, and what is
+worked out from them alone is double, but for such a written number in it.
 """
 
 from types import ModuleType
@@ -43,7 +44,7 @@ class SingleConstants(FunctionPass):
 
     _name = "parkproof_single_constants"
 
-    def __init__(self) -> None:
+    def __init__(self) -> None:  # numba's own is abstract
         super().__init__()
 
     def run_pass(self, state: Any) -> bool:

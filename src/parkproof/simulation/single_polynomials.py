@@ -16,7 +16,7 @@ from parkproof.simulation.coefficients import table
 from parkproof.simulation.fused import fused
 
 ROUNDER = 12582912.0
-"""1.5·2²³: adding it to a number below 2²² rounds to an integer."""
+"""1.5·2²³: adding it to a number below 2²² rounds to an integer, held in the last bits."""
 SQRT_HALF_BITS = 0x3F3504F3
 SMALLEST_NORMAL = 1.1754943508222875e-38
 
@@ -67,22 +67,22 @@ def split(_context: Any, size: Any) -> Any:  # noqa: ARG001
 
 
 @intrinsic
-def times_power_of_two(_context: Any, x: Any, whole: Any) -> Any:  # noqa: ARG001
-    """x·2^whole, for results that are normal numbers."""
+def times_power_of_two(_context: Any, x: Any, shifted: Any) -> Any:  # noqa: ARG001
+    """x·2^n for the whole number n that is in the last bits of another; the result is normal."""
 
     def generate(_ctx: Any, builder: Any, _signature: Any, args: Any) -> Any:
-        up = builder.shl(builder.fptosi(args[1], WORD), WORD(23))
+        up = builder.shl(builder.bitcast(args[1], WORD), WORD(23))
         return builder.bitcast(builder.add(builder.bitcast(args[0], WORD), up), SINGLE)
 
     return types.float32(types.float32, types.float32), generate
 
 
 @intrinsic
-def negated_if_odd(_context: Any, x: Any, whole: Any) -> Any:  # noqa: ARG001
-    """−x where a whole number is odd, else x."""
+def negated_if_odd(_context: Any, x: Any, shifted: Any) -> Any:  # noqa: ARG001
+    """−x where the whole number in the last bits of another is odd, else x."""
 
     def generate(_ctx: Any, builder: Any, _signature: Any, args: Any) -> Any:
-        odd = builder.shl(builder.fptosi(args[1], WORD), WORD(31))
+        odd = builder.shl(builder.bitcast(args[1], WORD), WORD(31))
         return builder.bitcast(builder.xor(builder.bitcast(args[0], WORD), odd), SINGLE)
 
     return types.float32(types.float32, types.float32), generate
@@ -112,12 +112,12 @@ def spow_single(x: float, p: float) -> float:
     log2 = fused(z, fused(fused(c, z4, b), z4, a), exponent)
 
     y = max(-125.0, min(127.0, p * log2))
-    whole = (y + ROUNDER) - ROUNDER
-    r = y - whole
+    shifted = y + ROUNDER
+    r = y - (shifted - ROUNDER)
     r2 = r * r
     first = fused(fused(EXP(3), r, EXP(2)), r2, fused(EXP(1), r, EXP(0)))
     second = fused(EXP(6), r2, fused(EXP(5), r, EXP(4)))
-    power = times_power_of_two(fused(second, r2 * r2, first), whole)
+    power = times_power_of_two(fused(second, r2 * r2, first), shifted)
     signed = x if p == 1.0 else math.copysign(power, x)
     return signed if size >= SMALLEST_NORMAL else 0.0
 
@@ -135,8 +135,9 @@ def sine_single(x: float) -> float:
     single
         sin x.
     """
-    whole = (fused(x, 1.0 / math.pi, ROUNDER)) - ROUNDER
+    shifted = fused(x, 1.0 / math.pi, ROUNDER)
+    whole = shifted - ROUNDER
     r = fused(-whole, PI_LOW, fused(-whole, PI_HIGH, x))
     g = r * r
     series = fused(fused(fused(SIN(3), g, SIN(2)), g, SIN(1)), g, SIN(0))
-    return negated_if_odd(fused(r * g, series, r), whole)
+    return negated_if_odd(fused(r * g, series, r), shifted)

@@ -20,13 +20,13 @@ ROWS = (
     "step", "way", "returns", "ended", "ended_at", "end0", "end1", "end2", "end3",
     "s0", "s1", "s2", "s3", "s4",
     "residual0", "residual1", "residual2", "held0", "held1", "held2",
-    "peak1", "peak2", "square1", "square2", "variation1", "variation2",
-    "excursion2", "path",
+    "peak1", "peak2", "excursion2", "square1", "square2", "variation1", "variation2", "path",
     "max0", "max1", "max2", "max3", "max4", "low0", "high0", "speed", "turn_rate", "heading",
     # working values
     "chart", "next", "ending", "tau1", "tau2", "new1", "new2", "error1", "error2",
     "push1", "push2", "turn_square",
-    "kept0", "kept1", "kept2", "kept3", "kept4", "kept_path",
+    "kept0", "kept1", "kept2", "kept3", "kept4", "length", "kept_length",
+    "rest1", "rest2", "rest3", "rest4", "rest5",
     "seen0", "seen1", "seen2", "seen3", "seen4", "raw2", "raw3", "raw4", "raw_chart",
     # of cameras, and of robots that take accelerations or velocities
     "beta", "seen_beta", "own0", "own1", "own2", "own3", "own4",
@@ -53,11 +53,11 @@ largest |θ| outside the chart."""
     STEP, WAY, RETURNS, ENDED, ENDED_AT, END0, END1, END2, END3,
     S0, S1, S2, S3, S4,
     RESIDUAL0, RESIDUAL1, RESIDUAL2, HELD0, HELD1, HELD2,
-    PEAK1, PEAK2, SQUARE1, SQUARE2, VARIATION1, VARIATION2,
-    EXCURSION2, PATH,
+    PEAK1, PEAK2, EXCURSION2, SQUARE1, SQUARE2, VARIATION1, VARIATION2, PATH,
     MAX0, MAX1, MAX2, MAX3, MAX4, LOW0, HIGH0, SPEED, TURN_RATE, HEADING,
     CHART, NEXT, ENDING, TAU1, TAU2, NEW1, NEW2, ERROR1, ERROR2, PUSH1, PUSH2, TURN_SQUARE,
-    KEPT0, KEPT1, KEPT2, KEPT3, KEPT4, KEPT_PATH,
+    KEPT0, KEPT1, KEPT2, KEPT3, KEPT4, LENGTH, KEPT_LENGTH,
+    REST1, REST2, REST3, REST4, REST5,
     SEEN0, SEEN1, SEEN2, SEEN3, SEEN4, RAW2, RAW3, RAW4, RAW_CHART,
     BETA, SEEN_BETA, OWN0, OWN1, OWN2, OWN3, OWN4,
     POSE0, POSE1, POSE2, POSE3, POSE4,
@@ -65,6 +65,9 @@ largest |θ| outside the chart."""
     *_REST,
 ) = range(0, BLOCK * len(ROWS), BLOCK)  # fmt: skip
 """Where each row begins: lane j of row ``TAU1`` is ``b[TAU1 + j]``."""
+
+RESTS = REST1 - SQUARE1
+"""How far behind a sum, from `SQUARE1` to `PATH`, lies what rounding took from it."""
 
 SIGNALS = 7
 """Signals of a trial: γ1, γ2, φ1, φ2, α1, α2, b2."""

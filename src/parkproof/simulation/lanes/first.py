@@ -3,6 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from parkproof.laws.parameters import LawParameters
+
 from .buffer import (
     BEFORE,
     BLOCK,
@@ -122,3 +124,31 @@ def first_buffer(state: Floats, in_chart: Floats, mean: Floats, scale_mean: Floa
     for first in (MEAN, START, MIDDLE, END):
         put(first, np.concatenate([mean, scale_mean]), SIGNALS)
     return rows.reshape(-1)
+
+
+def with_times_below(p: LawParameters) -> LawParameters:
+    """Round given times of switching down to singles: rounded up, they would come a sample late.
+
+    Parameters
+    ----------
+    p : LawParameters
+        Gains and bounds.
+
+    Returns
+    -------
+    LawParameters
+        With other ``to_step2`` and ``to_step3``.
+
+    Examples
+    --------
+    >>> from parkproof.laws import default_parameters
+    >>> p = with_times_below(default_parameters()._replace(to_step2=0.3))
+    >>> 0.3 - 1e-7 < p.to_step2 <= 0.3
+    True
+    """
+
+    def below(time: float) -> float:
+        single = np.float32(time)
+        return float(np.nextafter(single, np.float32(-1.0)) if float(single) > time else single)
+
+    return p._replace(to_step2=below(p.to_step2), to_step3=below(p.to_step3))

@@ -52,7 +52,7 @@ from .buffer import (
     WAY,
     LaneLimits,
 )
-from .first import all_tones, first_buffer, kinds_of
+from .first import all_tones, first_buffer, kinds_of, with_times_below
 from .kept import keep
 from .memory import Buffer, Parameters, on_the_stack
 from .metrics import (
@@ -138,8 +138,9 @@ def kernel_of(
         ring = np.empty((1 if exact else sensing.delay + 1, 6, BLOCK), number)
         counts, groups = np.zeros(STEPS, np.int64), np.zeros((STEPS, BLOCK // GROUP), np.int64)
         deviations = tuple(number(deviation) for deviation in sensing.deviations)
+        numbers = Parameters(with_times_below(p) if single else p, single=single)
         kernel(
-            Parameters(p, single=single), clock, LaneLimits(*map(number, limits)),
+            numbers, clock, LaneLimits(*map(number, limits)),
             sensing._replace(deviations=deviations), Buffer(b, single=single), ring, counts, groups,
             Buffer(all_of, single=single), kinds_of(all_of), Buffer(adversary, single=single), keys,
             cameras.astype(number, copy=False), out,

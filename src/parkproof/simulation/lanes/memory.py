@@ -98,6 +98,11 @@ def write(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return context.get_dummy_value()
 
 
+def is_single(kind: Any) -> bool:
+    """Whether a type is that of a buffer of singles."""
+    return isinstance(kind, BufferType) and bool(kind.number == types.float32)
+
+
 @intrinsic
 def _converted(_context: Any, buffer: Any, number: Any) -> Any:
     """Convert a number to one such as a buffer holds."""
@@ -117,7 +122,7 @@ def _like(buffer: Any, number: Any) -> Any:
     return _converted(buffer, number)
 
 
-replace(like, lambda buffer, _number: _like if isinstance(buffer, BufferType) else like)
+replace(like, lambda buffer, _number: _like if is_single(buffer) else like)
 
 
 # ------------------------------------------------------------------------------- parameters

@@ -61,6 +61,7 @@ from .buffer import (
     VARIATION2,
     WAY,
 )
+from .sums import add_to
 
 RESULT_ROWS = len(RESULTS)
 
@@ -142,10 +143,10 @@ def measure(b, late, holding, turning, gain):
         change1, change2 = abs(tau1 - b[TAU1 + j]), abs(tau2 - b[TAU2 + j])
         b[PEAK1 + j] = max(b[PEAK1 + j], abs(tau1))
         b[PEAK2 + j] = max(b[PEAK2 + j], abs(tau2))
-        b[SQUARE1 + j] += tau1 * tau1
-        b[SQUARE2 + j] += tau2 * tau2
-        b[VARIATION1 + j] += change1
-        b[VARIATION2 + j] += change2
+        add_to(b, SQUARE1, j, tau1 * tau1)
+        add_to(b, SQUARE2, j, tau2 * tau2)
+        add_to(b, VARIATION1, j, change1)
+        add_to(b, VARIATION2, j, change2)
         b[TAU1 + j], b[TAU2 + j] = tau1, tau2
     for j in range(BLOCK):
         x, y, u0, u1 = b[S0 + j], b[S1 + j], b[S3 + j], b[S4 + j]

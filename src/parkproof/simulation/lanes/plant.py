@@ -25,7 +25,8 @@ from .buffer import (
     GAMMA1,
     GAMMA2,
     KEPT0,
-    KEPT_PATH,
+    KEPT_LENGTH,
+    LENGTH,
     MIDDLE,
     PATH,
     PHI1,
@@ -42,6 +43,7 @@ from .buffer import (
     TAU2,
 )
 from .memory import like
+from .sums import add_to
 
 
 @inlined
@@ -163,15 +165,17 @@ def advancing(find_signals, inside, outside):
                         length = move(
                             b, camera, j, state_at(b, j, S0), KEPT0, part, input_rates, outside
                         )
-                        b[KEPT_PATH + j] = b[PATH + j] + length
+                        b[KEPT_LENGTH + j] = length
                 for j in range(BLOCK):
                     length = move(b, camera, j, state_at(b, j, S0), S0, part, input_rates, inside)
-                    b[PATH + j] += length
+                    b[LENGTH + j] = length
                 if turning:
                     for j in range(BLOCK):
                         out = b[CHART + j] == 0.0
-                        b[PATH + j] = b[KEPT_PATH + j] if out else b[PATH + j]
+                        b[LENGTH + j] = b[KEPT_LENGTH + j] if out else b[LENGTH + j]
                         for row in range(0, 5 * BLOCK, BLOCK):
                             b[S0 + row + j] = b[KEPT0 + row + j] if out else b[S0 + row + j]
+                for j in range(BLOCK):
+                    add_to(b, PATH, j, b[LENGTH + j])
 
     return advance

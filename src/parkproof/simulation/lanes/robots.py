@@ -61,6 +61,7 @@ from .memory import like
 from .plant import disturbed, move, state_at
 from .sensor import take
 from .signals import signals_of_step
+from .sums import add_to
 
 # ----------------------------------------------------------------------------- what is true
 
@@ -230,4 +231,4 @@ def advance_robots(b, camera, tones, kinds, t, h, steps, k, rates, step):
         if i >= 0:
             for j in range(BLOCK):
                 length = move(b, camera, j, state_at(b, j, OWN0), OWN0, part, rates, step)
-                b[PATH + j] += length
+                add_to(b, PATH, j, length)
