@@ -30,6 +30,10 @@ from parkproof.simulation.compiler import replace
 
 WHOLE = ir.IntType(64)
 
+LINE = 64
+"""Bytes of a line of a processor's caches, and of its widest registers: what such a register reads
+should not lie in two lines."""
+
 
 class BufferType(types.Type):
     """Type of a buffer in compiled code: any whole number indexes it, and none is checked."""
@@ -170,12 +174,12 @@ def on_the_stack(_context: Any, numbers: Any) -> Any:
 
 
 class Handle:
-    """An array whose address is all that a kernel is given.
+    """A copy of numbers, whose address is all that a kernel is given.
 
     Parameters
     ----------
     numbers : array
-        Contiguous numbers, or a tuple of them.
+        Or a tuple of them.
     single : bool
         Whether to keep them in single precision.
 
@@ -187,7 +191,11 @@ class Handle:
 
     def __init__(self, numbers: Any, *, single: bool = False) -> None:
         self.number = types.float32 if single else types.float64
-        self.numbers = np.ascontiguousarray(numbers, dtype=np.float32 if single else np.float64)
+        given = np.asarray(numbers, dtype=np.float32 if single else np.float64)
+        room = np.empty(given.nbytes + LINE, np.uint8)
+        begin = -room.ctypes.data % LINE
+        self.numbers = room[begin : begin + given.nbytes].view(given.dtype).reshape(given.shape)
+        self.numbers[...] = given
         self.address = self.numbers.ctypes.data
 
 
