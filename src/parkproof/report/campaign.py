@@ -16,19 +16,15 @@ from parkproof.campaign.prepare import Prepared, prepare
 from parkproof.errors import InputError
 from parkproof.extras import require
 from parkproof.output import write_whole
+from parkproof.report.campaign_causes import Rerun, sensitivity_section, worst_section
 from parkproof.report.campaign_coverage import coverage_of
-from parkproof.report.campaign_page import (
-    Heading,
-    Rerun,
-    alarm,
+from parkproof.report.campaign_page import Heading, page_of
+from parkproof.report.campaign_proof import alarm, proof_section
+from parkproof.report.campaign_sections import (
     metrics_section,
     outcomes_section,
-    page_of,
-    proof_section,
-    sensitivity_section,
     settling_section,
     unfinished,
-    worst_section,
 )
 from parkproof.report.campaign_study import drawn_keys, study_of
 from parkproof.report.deciders import Decider, deciders_of
