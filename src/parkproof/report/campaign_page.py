@@ -1,4 +1,4 @@
-"""The page of a campaign: its sections as HTML, from what was found."""
+"""The frame of a campaign's page, and what its sections have in common."""
 
 import shlex
 from collections.abc import Sequence

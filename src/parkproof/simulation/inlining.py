@@ -100,7 +100,7 @@ def _pipeline(state: Any, lowering: type) -> PassManager:
         if name not in LEFT_OUT and name not in seen:
             manager.add_pass(lowering if name == "NativeLowering" else each, why)
         if name == "IRProcessing":
-            manager.add_pass(SingleConstants, "numbers as precise as those they meet")
+            manager.add_pass(SingleConstants, "written numbers are singles, too")
         seen.add(name)
     if not {"NativeLowering", "IRProcessing"} <= seen:
         raise RuntimeError("this version of numba has other passes than simulation/inlining.py")
