@@ -25,12 +25,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from msgspec.structs import replace
+from parkproof_lanes import kernels
 from run import machine, stay_on_one_core
 from work import Floats, Work, make_work
 
 from parkproof.laws.parameters import LawParameters
 from parkproof.simulation.ensemble import simulate_trials
-from parkproof.simulation.lanes import kernel
 from parkproof.simulation.metrics import RESIDUAL_WINDOW
 from parkproof.simulation.trials import trials_of
 
@@ -120,16 +120,13 @@ def in_lanes(work: Work, **kind: Any) -> Callable[[], Timed]:
     shared, trials = work.scenarios[0], trials_of(work.scenarios)
     if kind.pop("implicit", False):
         shared = replace(shared, run=replace(shared.run, discretisation="implicit"))
-    usual, precision = kernel.kernel_of, kind.pop("precision", "double")
+    precision = kind.pop("precision", "double")
 
     def run() -> Timed:
-        kernel.kernel_of = partial(usual, **kind)
-        try:
+        with kernels(**kind):
             begin = time.perf_counter()
             rows = simulate_trials(shared, trials, precision=precision)
             taken = time.perf_counter() - begin
-        finally:
-            kernel.kernel_of = usual
         ends = np.nan_to_num(np.array([rows[f"end{i}"] for i in (1, 2, 3)]), nan=-1.0)
         return Timed(1e9 * taken / TRIALS / work.samples, ends)
 

@@ -31,16 +31,20 @@ LEFT_OUT = (
 """Passes of numba's pipeline that find nothing to do in these functions."""
 
 
-class InlinedLibrary(JITCodeLibrary):
+class _AsTranslated(JITCodeLibrary):
+    """Code that is not optimised function by function: a kernel is, with all that is in it."""
+
+    def _optimize_functions(self, ll_module: Any) -> None:
+        ll_module.data_layout = self._codegen._data_layout
+
+
+class InlinedLibrary(_AsTranslated):
     """Code of a function that is only inlined: linked with what it calls, and left at that."""
 
     @property
     def codegen(self) -> Any:
         """What would be told where a function's Python objects are; these have none."""
         return _NoEnvironments()
-
-    def _optimize_functions(self, ll_module: Any) -> None:
-        ll_module.data_layout = self._codegen._data_layout
 
     def _optimize_final_module(self) -> None:
         """The kernel is optimised, with this function in it."""
@@ -56,11 +60,8 @@ class _NoEnvironments:
         """Do nothing: machine code that would read it is never made."""
 
 
-class KernelLibrary(JITCodeLibrary):
+class KernelLibrary(_AsTranslated):
     """Code of a kernel, optimised in one go: there are no references to count beforehand."""
-
-    def _optimize_functions(self, ll_module: Any) -> None:
-        ll_module.data_layout = self._codegen._data_layout
 
     def _optimize_final_module(self) -> None:
         passes, builder = self._codegen._module_pass_manager(slp_vectorize=False)
