@@ -24,7 +24,7 @@ ROWS = (
     "max0", "max1", "max2", "max3", "max4", "low0", "high0", "speed", "turn_rate", "heading",
     # working values
     "chart", "next", "ending", "tau1", "tau2", "new1", "new2", "error1", "error2",
-    "push1", "push2", "turn_square",
+    "push1", "push2", "turn_square", "place",
     "kept0", "kept1", "kept2", "kept3", "kept4", "length", "kept_length",
     "rest1", "rest2", "rest3", "rest4", "rest5",
     "seen0", "seen1", "seen2", "seen3", "seen4", "raw2", "raw3", "raw4", "raw_chart",
@@ -55,7 +55,7 @@ largest |θ| outside the chart."""
     RESIDUAL0, RESIDUAL1, RESIDUAL2, HELD0, HELD1, HELD2,
     PEAK1, PEAK2, EXCURSION2, SQUARE1, SQUARE2, VARIATION1, VARIATION2, PATH,
     MAX0, MAX1, MAX2, MAX3, MAX4, LOW0, HIGH0, SPEED, TURN_RATE, HEADING,
-    CHART, NEXT, ENDING, TAU1, TAU2, NEW1, NEW2, ERROR1, ERROR2, PUSH1, PUSH2, TURN_SQUARE,
+    CHART, NEXT, ENDING, TAU1, TAU2, NEW1, NEW2, ERROR1, ERROR2, PUSH1, PUSH2, TURN_SQUARE, PLACE,
     KEPT0, KEPT1, KEPT2, KEPT3, KEPT4, LENGTH, KEPT_LENGTH,
     REST1, REST2, REST3, REST4, REST5,
     SEEN0, SEEN1, SEEN2, SEEN3, SEEN4, RAW2, RAW3, RAW4, RAW_CHART,

@@ -16,6 +16,7 @@ from .buffer import (
     LOW0,
     MEAN,
     MIDDLE,
+    PLACE,
     ROWS,
     S0,
     SIGNALS,
@@ -121,6 +122,7 @@ def first_buffer(state: Floats, in_chart: Floats, mean: Floats, scale_mean: Floa
     put(END0, -1.0, 4)
     put(ENDED_AT, -1.0)
     put(TURN_SQUARE, 1.0)
+    put(PLACE, np.arange(BLOCK))
     for first in (MEAN, START, MIDDLE, END):
         put(first, np.concatenate([mean, scale_mean]), SIGNALS)
     return rows.reshape(-1)

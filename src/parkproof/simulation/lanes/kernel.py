@@ -63,24 +63,10 @@ from .metrics import (
     measure,
     note_step,
 )
+from .order import arrange, find_steps
 from .parts import parts_of
 from .plant import push, state_at
 from .sensor import end_unseen, is_misled, is_unseen
-
-
-@inlined
-def find_steps(b, counts, groups):
-    """List the groups of lanes in which a step is in force, for each of the five steps."""
-    for step in range(STEPS):
-        counts[step] = 0
-    for first in range(0, BLOCK, GROUP):
-        here = 0
-        for j in range(first, first + GROUP):
-            here |= 1 << int(b[STEP + j])
-        for step in range(STEPS):
-            if here & (1 << step):
-                groups[step, counts[step]] = first
-                counts[step] += 1
 
 
 @cache
@@ -142,8 +128,8 @@ def kernel_of(
         kernel(
             numbers, clock, LaneLimits(*map(number, limits)),
             sensing._replace(deviations=deviations), Buffer(b, single=single), ring, counts, groups,
-            Buffer(all_of, single=single), kinds_of(all_of), Buffer(adversary, single=single), keys,
-            cameras.astype(number, copy=False), out,
+            Buffer(all_of, single=single), kinds_of(all_of), Buffer(adversary, single=single),
+            keys.copy(), cameras.astype(number), out,
         )  # fmt: skip
 
     return block
@@ -292,6 +278,8 @@ def trials_of_a_block(
                 ended += change_steps(b, t, p)
                 if ended > 0:
                     running -= hand_in(b, t, False, out, idle)
+                if BLOCK > 1:
+                    arrange(b, ring, tones, kinds, adversary, keys, cameras)
                 find_steps(b, counts, groups)
             if turns:
                 prepare_turn(b, counts[0], groups[0], pose, p)

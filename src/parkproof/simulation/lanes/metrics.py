@@ -38,6 +38,7 @@ from .buffer import (
     OUT_OF_VIEW,
     PEAK1,
     PEAK2,
+    PLACE,
     RESIDUAL0,
     RESIDUAL1,
     RESIDUAL2,
@@ -77,11 +78,12 @@ def hand_in(b, t, last, out, idle):
         if b[ENDED + j] == 0.0 and (last or b[ENDING + j] > 0.0):
             if b[ENDING + j] > 0.0:
                 b[ENDED + j], b[ENDED_AT + j] = b[ENDING + j], t
+            place = int(b[PLACE + j])
             for i in range(RESULT_ROWS):
-                out[i, j] = b[i * BLOCK + j]
-            out[MAX0 // BLOCK, j] = max(-b[LOW0 + j], b[HIGH0 + j])
-            out[SPEED // BLOCK, j] = math.sqrt(b[SPEED + j])
-            out[TURN_RATE // BLOCK, j] = b[TURN_RATE + j] / b[TURN_SQUARE + j]
+                out[i, place] = b[i * BLOCK + j]
+            out[MAX0 // BLOCK, place] = max(-b[LOW0 + j], b[HIGH0 + j])
+            out[SPEED // BLOCK, place] = math.sqrt(b[SPEED + j])
+            out[TURN_RATE // BLOCK, place] = b[TURN_RATE + j] / b[TURN_SQUARE + j]
             for i in range(5):
                 b[S0 + i * BLOCK + j] = 0.0
             b[STEP + j], b[NEXT + j], b[WAY + j], b[CHART + j] = 4.0, 4.0, 1.0, 1.0
