@@ -28,9 +28,11 @@ from parkproof.simulation.compiler import OPTIONS, register
 
 # the simulator runs the plain source: with the primitives that lanes have, and nothing else changed
 register()
-power = numba.njit(**OPTIONS)(polynomials._spow_polynomial)
+begun = numba.njit(**OPTIONS)(polynomials._begun_polynomial)
+ended = numba.njit(**OPTIONS)(polynomials._ended_polynomial)
 wave = numba.njit(**OPTIONS)(polynomials._sine_polynomial)
-scalar.spow, scalar.sine = power, wave
+scalar.spow_begun, scalar.spow_ended, scalar.sine = begun, ended, wave
+scalar.spow = lambda x, p: ended(begun(x, p), x, p)
 scalar.tangent = lambda x: wave(x) / wave(x + 0.5 * math.pi)
 
 from parkproof.simulation.ensemble import simulate_ensemble

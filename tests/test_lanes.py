@@ -14,7 +14,7 @@ from parkproof.errors import InputError
 from parkproof.laws.gains import Gains
 from parkproof.model.signals import Adversary, Constant, Noise, Sine
 from parkproof.model.truth import Truth
-from parkproof.scalar import sine, spow
+from parkproof.scalar import sine, spow, spow_begun, spow_ended
 from parkproof.scenario import RunSettings, Scenario, Start
 from parkproof.simulation.compiler import OPTIONS, register
 from parkproof.simulation.ensemble import simulate_ensemble
@@ -80,6 +80,21 @@ def test_polynomial_power_of_special_numbers() -> None:
         assert powers([2.3e-308, -2.3e-308], p) == pytest.approx(
             [spow(2.3e-308, p), spow(-2.3e-308, p)], rel=1e-12, abs=1e-300
         )
+
+
+def test_the_halves_of_a_power_make_the_power() -> None:
+    @numba.njit(**OPTIONS)  # type: ignore[untyped-decorator]
+    def in_halves(x: float, p: float) -> float:
+        return spow_ended(spow_begun(x, p), x, p)  # type: ignore[no-any-return]
+
+    rng = np.random.default_rng(3)
+    x = [0.0, -1e-310, 1e300, *(10.0 ** rng.uniform(-300.0, 6.0, 300) * rng.choice([-1, 1], 300))]
+    for p in (0.2, 1.0, 11 / 7):
+        assert [in_halves(number, p) for number in x] == powers(x, p).tolist()
+        some = x[3:]
+        assert [spow_ended(spow_begun(number, p), number, p) for number in some] == [
+            spow(number, p) for number in some
+        ]
 
 
 def test_polynomial_sine_agrees_with_the_library_to_1e_15() -> None:

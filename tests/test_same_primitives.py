@@ -33,21 +33,14 @@ register()
 def compiled(name: str) -> Callable[..., float]:
     """A primitive as lanes have it."""
     primitive = getattr(scalar, name)
-
-    def power(x: float, p: float) -> float:
-        return primitive(x, p)  # type: ignore[no-any-return]
-
-    def wave(x: float) -> float:
-        return primitive(x)  # type: ignore[no-any-return]
-
-    made: Callable[..., float] = numba.njit(power if name == "spow" else wave, **OPTIONS)
+    made: Callable[..., float] = numba.njit(lambda *numbers: primitive(*numbers), **OPTIONS)  # noqa: PLW0108  # not compiled itself
     return made
 
 
 @pytest.fixture
 def same_primitives(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let plain Python call the primitives of lanes."""
-    for name in ("spow", "sine", "tangent"):
+    for name in ("spow", "spow_begun", "spow_ended", "sine", "tangent"):
         plain, other = getattr(scalar, name), compiled(name)
         for module in list(sys.modules.values()):
             if module.__name__.startswith("parkproof") and vars(module).get(name) is plain:

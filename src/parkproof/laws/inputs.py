@@ -1,13 +1,14 @@
 """From nominal inputs to the inputs held over one control period, explicit or implicit.
 
-The explicit form is the paper's: Theorem 1 evaluated at the sample. The implicit form evaluates the
-nominal law at the positions predicted one period ahead and takes the sign at the period's end.
+The explicit form is the paper's: Theorem 1 evaluated at the sample, in four quarters, which lanes
+go through in loops of their own. The implicit form evaluates the nominal law at the positions
+predicted one period ahead and takes the sign at the period's end.
 """
 
-from parkproof.laws.chains import ChannelLaw, chain_error
+from parkproof.laws.chains import ChannelLaw
 from parkproof.laws.parameters import LawParameters
 from parkproof.laws.robustify import implicit_end, pull, robust
-from parkproof.scalar import clip, scalar, spow
+from parkproof.scalar import clip, scalar, spow_begun, spow_ended
 
 
 @scalar
@@ -65,8 +66,8 @@ def with_direct(tau2: float, direct: float, p: LawParameters) -> float:
 
 
 @scalar
-def explicit_errors(one: ChannelLaw, two: ChannelLaw, u0: float, u1: float) -> tuple[float, float]:
-    """Errors of both channels, the first half of `explicit_inputs`.
+def begun_errors(one: ChannelLaw, two: ChannelLaw, u0: float, u1: float) -> tuple[float, float]:
+    """First quarter of `explicit_inputs`: powers of both channels' last states, begun.
 
     Parameters
     ----------
@@ -78,28 +79,94 @@ def explicit_errors(one: ChannelLaw, two: ChannelLaw, u0: float, u1: float) -> t
     Returns
     -------
     tuple of 2 floats
-        ⌈u⌋^power + offset of each.
+        `parkproof.scalar.spow_begun` of each.
 
     Examples
     --------
-    >>> explicit_errors((1.0, 1.0, -1.0, 1 / 3), (1.0, 1.0, 0.0, 0.5), 9.0, -1.0)
-    (8.0, -1.0)
+    >>> begun_errors((1.0, 1.0, -1.0, 1 / 3), (1.0, 2.0, 0.0, 0.5), 9.0, -1.0)
+    (9.0, 1.0)
     """
-    _, power1, offset1, _ = one
-    _, power2, offset2, _ = two
-    return chain_error(u0, power1, offset1), chain_error(u1, power2, offset2)
+    _, power1, _, _ = one
+    _, power2, _, _ = two
+    return spow_begun(u0, power1), spow_begun(u1, power2)
 
 
 @scalar
-def explicit_answers(
-    one: ChannelLaw, two: ChannelLaw, error1: float, error2: float, p: LawParameters
+def ended_errors(
+    one: ChannelLaw, two: ChannelLaw, begun1: float, begun2: float, u0: float, u1: float
 ) -> tuple[float, float]:
-    """Inputs that answer the errors of both channels, the second half of `explicit_inputs`.
+    """Second quarter of `explicit_inputs`: errors of both channels.
 
     Parameters
     ----------
     one, two : tuples of 4 floats
         Laws of both channels.
+    begun1, begun2 : float
+        What `begun_errors` gave.
+    u0, u1 : float
+        Measured last states of both channels.
+
+    Returns
+    -------
+    tuple of 2 floats
+        ⌈u⌋^power + offset of each, `parkproof.laws.chains.chain_error`.
+
+    Examples
+    --------
+    >>> ended_errors((1.0, 1.0, -1.0, 1 / 3), (1.0, 1.0, 0.0, 0.5), 9.0, 1.0, 9.0, -1.0)
+    (8.0, -1.0)
+    """
+    _, power1, offset1, _ = one
+    _, power2, offset2, _ = two
+    return spow_ended(begun1, u0, power1) + offset1, spow_ended(begun2, u1, power2) + offset2
+
+
+@scalar
+def begun_answers(
+    one: ChannelLaw, two: ChannelLaw, error1: float, error2: float
+) -> tuple[float, float]:
+    """Third quarter of `explicit_inputs`: powers of both channels' errors, begun.
+
+    Parameters
+    ----------
+    one, two : tuples of 4 floats
+        Laws of both channels.
+    error1, error2 : float
+        Their errors.
+
+    Returns
+    -------
+    tuple of 2 floats
+        `parkproof.scalar.spow_begun` of each.
+
+    Examples
+    --------
+    >>> begun_answers((1.0, 1.0, -1.0, 1.0), (1.0, 1.0, 0.0, 0.5), 8.0, -1.0)
+    (8.0, 1.0)
+    """
+    _, _, _, outer1 = one
+    _, _, _, outer2 = two
+    return spow_begun(error1, outer1), spow_begun(error2, outer2)
+
+
+@scalar
+def ended_answers(
+    one: ChannelLaw,
+    two: ChannelLaw,
+    begun1: float,
+    begun2: float,
+    error1: float,
+    error2: float,
+    p: LawParameters,
+) -> tuple[float, float]:
+    """Last quarter of `explicit_inputs`: inputs that answer the errors of both channels.
+
+    Parameters
+    ----------
+    one, two : tuples of 4 floats
+        Laws of both channels.
+    begun1, begun2 : float
+        What `begun_answers` gave.
     error1, error2 : float
         Their errors.
     p : LawParameters
@@ -114,14 +181,15 @@ def explicit_answers(
     --------
     >>> from parkproof.laws import default_parameters
     >>> one, two = (1.0, 1.0, -1.0, 1 / 3), (1.0, 1.0, 0.0, 0.5)
-    >>> explicit_answers(one, two, 8.0, -1.0, default_parameters())
+    >>> begun = begun_answers(one, two, 8.0, -1.0)
+    >>> ended_answers(one, two, *begun, 8.0, -1.0, default_parameters())
     (-4.5, 3.5)
     """
     gain1, _, _, outer1 = one
     gain2, _, _, outer2 = two
     # Theorem 1's division by γ_m, which processors are slow at, is done once and for all
-    tau1 = robust(-gain1 * spow(error1, outer1), p.phi1, 1.0) * p.inv_gamma1
-    tau2 = robust(-gain2 * spow(error2, outer2), p.phi2, 1.0) * p.inv_gamma2
+    tau1 = robust(-gain1 * spow_ended(begun1, error1, outer1), p.phi1, 1.0) * p.inv_gamma1
+    tau2 = robust(-gain2 * spow_ended(begun2, error2, outer2), p.phi2, 1.0) * p.inv_gamma2
     return clip(tau1, p.tau_max1), clip(tau2, p.tau_max2)
 
 
@@ -152,8 +220,9 @@ def explicit_inputs(
     >>> explicit_inputs(one, two, 9.0, -1.0, default_parameters())
     (-4.5, 3.5)
     """
-    error1, error2 = explicit_errors(one, two, u0, u1)
-    return explicit_answers(one, two, error1, error2, p)
+    error1, error2 = ended_errors(one, two, *begun_errors(one, two, u0, u1), u0, u1)
+    begun1, begun2 = begun_answers(one, two, error1, error2)
+    return ended_answers(one, two, begun1, begun2, error1, error2, p)
 
 
 @scalar

@@ -1,9 +1,10 @@
 """Theorem 1: from a nominal finite-time law to one that rejects gain errors and disturbances."""
 
+import math
 from collections.abc import Callable, Sequence
 
 from parkproof.laws.chains import chain_error, surface_of
-from parkproof.scalar import scalar, sign, spow
+from parkproof.scalar import scalar, spow
 from parkproof.validate import not_negative, positive
 
 
@@ -30,7 +31,7 @@ def robust(nominal: float, phi: float, gamma_min: float) -> float:
     >>> robust(-2.0, 2.5, 1.0)
     -4.5
     """
-    return (nominal + phi * sign(nominal)) / gamma_min
+    return (nominal + math.copysign(phi, nominal)) / gamma_min if nominal != 0.0 else 0.0
 
 
 Search = tuple[float, float, float, float, float, float]

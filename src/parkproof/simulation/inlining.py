@@ -15,11 +15,13 @@ versions that the package asks for.
 import gc
 from typing import Any
 
+from llvmlite.binding import create_pass_builder, create_pipeline_tuning_options
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.compiler_machinery import PassManager, register_pass
 from numba.core.typed_passes import NativeLowering
 
+from parkproof.simulation.instructions import Instructions
 from parkproof.simulation.single import SingleConstants
 
 LEFT_OUT = (
@@ -39,18 +41,27 @@ class _AsTranslated(JITCodeLibrary):
 
 
 class InlinedLibrary(_AsTranslated):
-    """Code of a function that is only inlined: linked with what it calls, and left at that."""
+    """Code of a function that is only inlined."""
 
     @property
     def codegen(self) -> Any:
         """What would be told where a function's Python objects are; these have none."""
         return _NoEnvironments()
 
-    def _optimize_final_module(self) -> None:
-        """The kernel is optimised, with this function in it."""
-
-    def _finalize_final_module(self) -> None:
+    def finalize(self) -> None:
+        """Leave it as it is."""
         self._finalized = True
+
+    def alone(self) -> Any:
+        """Its code, for kernels, which link what it calls themselves."""
+        return super()._get_module_for_linking()
+
+    def _get_module_for_linking(self) -> Any:
+        """Its code with that of all that it calls, for others."""
+        whole = self.alone().clone()
+        for library in self._linking_libraries:
+            whole.link_in(library._get_module_for_linking(), preserve=True)
+        return whole
 
 
 class _NoEnvironments:
@@ -63,9 +74,30 @@ class _NoEnvironments:
 class KernelLibrary(_AsTranslated):
     """Code of a kernel, optimised in one go: there are no references to count beforehand."""
 
+    def finalize(self) -> None:
+        """Link each function once, those that call before those that are called; then go on."""
+        left, known, others = list(self._linking_libraries), set[Any](), []
+        while left:
+            library = left.pop(0)
+            if library in known:
+                continue
+            known.add(library)
+            if isinstance(library, InlinedLibrary):
+                self._final_module.link_in(library.alone(), preserve=True)
+                left += library._linking_libraries
+            else:
+                others.append(library)
+        self._linking_libraries = others
+        super().finalize()
+
     def _optimize_final_module(self) -> None:
-        passes, builder = self._codegen._module_pass_manager(slp_vectorize=False)
-        passes.run(self._final_module, builder)
+        options = create_pipeline_tuning_options(3)
+        options.loop_vectorization, options.slp_vectorization = True, False
+        # else short loops over the lanes of a group are unrolled before they are looked at for
+        # vector instructions, and then have none
+        options.loop_unrolling = False
+        builder = create_pass_builder(self._codegen._tm, options)
+        builder.getModulePassManager().run(self._final_module, builder)
 
 
 @register_pass(mutates_CFG=True, analysis_only=False)
@@ -102,6 +134,7 @@ def _pipeline(state: Any, lowering: type) -> PassManager:
             manager.add_pass(lowering if name == "NativeLowering" else each, why)
         if name == "IRProcessing":
             manager.add_pass(SingleConstants, "written numbers are singles, too")
+            manager.add_pass(Instructions, "no calls of max, min and int")
         seen.add(name)
     if not {"NativeLowering", "IRProcessing"} <= seen:
         raise RuntimeError("this version of numba has other passes than simulation/inlining.py")

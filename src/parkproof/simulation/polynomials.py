@@ -14,11 +14,11 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from parkproof.scalar import sine, spow, tangent
+from parkproof.scalar import sine, spow, spow_begun, spow_ended, tangent
 from parkproof.simulation.coefficients import table
 from parkproof.simulation.compiler import inlined, replace
 from parkproof.simulation.fused import fused
-from parkproof.simulation.single_polynomials import sine_single, spow_single
+from parkproof.simulation.single_polynomials import begun_single, ended_single, sine_single
 
 ROUNDER = 6755399441055744.0
 """1.5·2⁵²: adding it to a number below 2⁵¹ rounds to an integer, held in the last bits."""
@@ -48,7 +48,7 @@ SIN = table(
     -0.16666666666666666, 0.008333333333333316, -0.00019841269841254966, 2.7557319219160833e-06,
     -2.505210761669045e-08, 1.6058977292642743e-10, -7.643969663988074e-13, 2.7314368769379893e-15,
 )  # fmt: skip
-LIMITS = table("limits of powers", SMALLEST_NORMAL, -1021.0, 1023.0)
+LIMITS = table("limits of powers", SMALLEST_NORMAL, ROUNDER - 1021.0, ROUNDER + 1023.0)
 PLACES = table("places of numbers", 1.0, ROUNDER)
 BITS = table("bits of numbers", SQRT_HALF_BITS, ROUNDER_BITS, number=types.int64)
 PI_REST = 1.2246467991473532e-16
@@ -75,10 +75,9 @@ def double_of(_context: Any, bits: Any) -> Any:  # noqa: ARG001
     return types.float64(types.int64), generate
 
 
-def _spow_polynomial(x: float, p: float) -> float:
-    """⌈x⌋^p = sign(x)·2^(p·log2|x|); 0 where |x| is below the smallest normal number."""
-    size = abs(x)
-    bits = bits_of(size)
+def _begun_polynomial(x: float, p: float) -> float:
+    """p·log2|x|, for normal numbers."""
+    bits = bits_of(abs(x))
     exponent = (bits - BITS(0)) >> 52
     m = double_of(bits - (exponent << 52))
     z = m - PLACES(0)  # divisions are slow: a longer polynomial is quicker than one in z/(z + 2)
@@ -90,21 +89,24 @@ def _spow_polynomial(x: float, p: float) -> float:
     d = fused(fused(LOG(15), z, LOG(14)), z2, fused(LOG(13), z, LOG(12)))
     e = fused(LOG(17), z, LOG(16))
     series = fused(fused(fused(fused(e, z4, d), z4, c), z4, b), z4, a)
-    log2 = fused(z, series, double_of(exponent + BITS(1)) - PLACES(1))
+    return p * fused(z, series, double_of(exponent + BITS(1)) - PLACES(1))
 
-    y = max(LIMITS(1), min(LIMITS(2), p * log2))
-    shifted = y + PLACES(1)
-    r = y - (shifted - PLACES(1))
+
+def _ended_polynomial(begun: float, x: float, p: float) -> float:
+    """sign(x)·2^begun; 0 where |x| is below the smallest normal number."""
+    shifted = begun + PLACES(1)
+    r = begun - (shifted - PLACES(1))
     r2 = r * r
     r4 = r2 * r2
     first = fused(fused(EXP(3), r, EXP(2)), r2, fused(EXP(1), r, EXP(0)))
     second = fused(fused(EXP(7), r, EXP(6)), r2, fused(EXP(5), r, EXP(4)))
     third = fused(EXP(10), r2, fused(EXP(9), r, EXP(8)))
     fraction = fused(fused(third, r4, second), r4, first)
-    power = double_of(bits_of(fraction) + (bits_of(shifted) << 52))
+    whole = max(LIMITS(1), min(LIMITS(2), shifted))
+    power = double_of(bits_of(fraction) + (bits_of(whole) << 52))
     # where the compiler knows the exponent to be 1, nothing is left of all this
     signed = x if p == 1.0 else math.copysign(power, x)
-    return signed if size >= LIMITS(0) else 0.0
+    return signed if abs(x) >= LIMITS(0) else 0.0
 
 
 def _sine_polynomial(x: float) -> float:
@@ -127,11 +129,17 @@ def _sine_polynomial(x: float) -> float:
 
 def replace_primitives() -> None:
     """Give the primitives these forms in compiled code."""
-    for form in (_spow_polynomial, _sine_polynomial, spow_single, sine_single):
+    for form in (_sine_polynomial, sine_single):
         inlined(form)
 
-    def power_of(x: Any, p: Any) -> Any:
-        return spow_single if x == p == types.float32 else _spow_polynomial
+    def power(x: Any, p: Any) -> Any:
+        return spow_ended(spow_begun(x, p), x, p)
+
+    def begun_of(x: Any, p: Any) -> Any:
+        return begun_single if x == p == types.float32 else _begun_polynomial
+
+    def ended_of(begun: Any, x: Any, p: Any) -> Any:
+        return ended_single if begun == x == p == types.float32 else _ended_polynomial
 
     def wave_of(x: Any) -> Any:
         return sine_single if x == types.float32 else _sine_polynomial
@@ -139,6 +147,8 @@ def replace_primitives() -> None:
     def quotient(x: Any) -> Any:
         return sine(x) / sine(x + 0.5 * math.pi)
 
-    replace(spow, power_of)
+    replace(spow_begun, begun_of)
+    replace(spow_ended, ended_of)
+    replace(spow, lambda x, p: power)  # noqa: ARG005
     replace(sine, wave_of)
     replace(tangent, lambda x: quotient)  # noqa: ARG005

@@ -14,6 +14,8 @@ from numba import types
 from numba.core import ir
 from numba.core.compiler_machinery import FunctionPass, register_pass
 
+from parkproof.simulation.instructions import replace_value
+
 
 def has_singles(kind: Any) -> bool:
     """Whether a type is of singles, or holds some.
@@ -65,9 +67,7 @@ class SingleConstants(FunctionPass):
         found = [(each, _written(each.value, modules)) for each in assignments]
         for each, number in found:
             if number is not None:
-                before, each.value = each.value, ir.Const(np.float32(number), each.loc)
-                known = state.func_ir._definitions[each.target.name]
-                known[:] = [each.value if value is before else value for value in known]
+                replace_value(state.func_ir, each, ir.Const(np.float32(number), each.loc))
         return any(number is not None for _, number in found)
 
 

@@ -88,8 +88,8 @@ def negated_if_odd(_context: Any, x: Any, shifted: Any) -> Any:  # noqa: ARG001
     return types.float32(types.float32, types.float32), generate
 
 
-def spow_single(x: float, p: float) -> float:
-    """Signed power, compiled: ⌈x⌋^p = sign(x)·2^(p·log2|x|).
+def begun_single(x: float, p: float) -> float:
+    """First half of a signed power, compiled.
 
     Parameters
     ----------
@@ -99,19 +99,32 @@ def spow_single(x: float, p: float) -> float:
     Returns
     -------
     single
-        ⌈x⌋^p, and 0 where |x| is below the smallest normal number.
+        p·log2|x|, for normal numbers.
     """
-    size = abs(x)
-    exponent, m = split(size)
+    exponent, m = split(abs(x))
     z = m - 1.0
     z2 = z * z
     z4 = z2 * z2
     a = fused(fused(LOG(3), z, LOG(2)), z2, fused(LOG(1), z, LOG(0)))
     b = fused(fused(LOG(7), z, LOG(6)), z2, fused(LOG(5), z, LOG(4)))
     c = fused(LOG(9), z, LOG(8))
-    log2 = fused(z, fused(fused(c, z4, b), z4, a), exponent)
+    return p * fused(z, fused(fused(c, z4, b), z4, a), exponent)
 
-    y = max(-125.0, min(127.0, p * log2))
+
+def ended_single(begun: float, x: float, p: float) -> float:
+    """Second half of a signed power, compiled: ⌈x⌋^p = sign(x)·2^(p·log2|x|).
+
+    Parameters
+    ----------
+    begun, x, p : single
+        What `begun_single` gave, base and exponent.
+
+    Returns
+    -------
+    single
+        ⌈x⌋^p, and 0 where |x| is below the smallest normal number.
+    """
+    y = max(-125.0, min(127.0, begun))
     shifted = y + ROUNDER
     r = y - (shifted - ROUNDER)
     r2 = r * r
@@ -119,7 +132,7 @@ def spow_single(x: float, p: float) -> float:
     second = fused(EXP(6), r2, fused(EXP(5), r, EXP(4)))
     power = times_power_of_two(fused(second, r2 * r2, first), shifted)
     signed = x if p == 1.0 else math.copysign(power, x)
-    return signed if size >= SMALLEST_NORMAL else 0.0
+    return signed if abs(x) >= SMALLEST_NORMAL else 0.0
 
 
 def sine_single(x: float) -> float:

@@ -1,76 +1,114 @@
 """Inputs of a block of lanes in the explicit form.
 
-In two loops, each short enough for a processor to work on several groups of lanes at once: errors
-of both channels, and the answers to them. Compiled code: ``b`` is the buffer of
-`parkproof.simulation.lanes.buffer`, ``seen`` the first of the five rows that controllers are given.
+In four loops for each step, each so short that a processor works on several groups of lanes at
+once: a power takes it a hundred cycles in which it can look some two hundred instructions ahead.
+Compiled code: ``b`` is the buffer of `parkproof.simulation.lanes.buffer`, ``seen`` the first of the
+five rows that controllers are given.
 """
 
-from parkproof.laws.inputs import explicit_answers, explicit_errors, with_direct
+from parkproof.laws.inputs import (
+    begun_answers,
+    begun_errors,
+    ended_answers,
+    ended_errors,
+    explicit_inputs,
+    with_direct,
+)
 from parkproof.laws.turn import turn_channels
 from parkproof.simulation.compiler import inlined
 
-from .buffer import BLOCK, ERROR1, ERROR2, GROUP, NEW1, NEW2, STEP, WAY
+from .buffer import BEGUN1, BEGUN2, BLOCK, ERROR1, ERROR2, GROUP, NEW1, NEW2, STEP, WAY
 from .plant import state_at
 
 
 @inlined
-def prepare(b, step, count, firsts, seen, p, law_channels):
-    """Errors of both channels of the groups of lanes that have some in a step."""
+def keep(b, j, here, row1, row2, numbers):
+    """Keep two numbers of a lane in two rows if it is in the step that they are for."""
+    number1, number2 = numbers
+    b[row1 + j] = number1 if here else b[row1 + j]
+    b[row2 + j] = number2 if here else b[row2 + j]
+
+
+@inlined
+def begin_errors(b, step, count, firsts, seen, p, law_channels):
+    """Begin the errors of both channels of the groups of lanes that have some in a step."""
     for i in range(count):
         first = firsts[i] & (BLOCK - GROUP)  # so that the compiler sees that it is an index
         for j in range(first, first + GROUP):
             x0, x1, x2, u0, u1 = state_at(b, j, seen)
             one, two = law_channels(step, b[WAY + j], x0, x1, x2, u0, p)
-            error1, error2 = explicit_errors(one, two, u0, u1)
             here = b[STEP + j] == step
-            b[ERROR1 + j] = error1 if here else b[ERROR1 + j]
-            b[ERROR2 + j] = error2 if here else b[ERROR2 + j]
+            keep(b, j, here, BEGUN1, BEGUN2, begun_errors(one, two, u0, u1))
 
 
 @inlined
-def prepare_turn(b, count, firsts, pose, p):
-    """Errors of both channels of lanes that turn."""
+def end_errors(b, step, count, firsts, seen, p, law_channels):
+    """Find the errors."""
     for i in range(count):
         first = firsts[i] & (BLOCK - GROUP)
         for j in range(first, first + GROUP):
-            theta, v, omega = pose(b, j)
-            one, two = turn_channels(theta + p.lookahead * omega, p)
-            error1, error2 = explicit_errors(one, two, v, omega)
-            here = b[STEP + j] == 0.0
-            b[ERROR1 + j] = error1 if here else b[ERROR1 + j]
-            b[ERROR2 + j] = error2 if here else b[ERROR2 + j]
+            x0, x1, x2, u0, u1 = state_at(b, j, seen)
+            one, two = law_channels(step, b[WAY + j], x0, x1, x2, u0, p)
+            errors = ended_errors(one, two, b[BEGUN1 + j], b[BEGUN2 + j], u0, u1)
+            keep(b, j, b[STEP + j] == step, ERROR1, ERROR2, errors)
 
 
 @inlined
-def solve(_b):
-    """There is nothing to solve."""
+def begin_answers(b, step, count, firsts, seen, p, law_channels):
+    """Begin the answers to the errors."""
+    for i in range(count):
+        first = firsts[i] & (BLOCK - GROUP)
+        for j in range(first, first + GROUP):
+            x0, x1, x2, u0, _ = state_at(b, j, seen)
+            one, two = law_channels(step, b[WAY + j], x0, x1, x2, u0, p)
+            begun = begun_answers(one, two, b[ERROR1 + j], b[ERROR2 + j])
+            keep(b, j, b[STEP + j] == step, BEGUN1, BEGUN2, begun)
 
 
 @inlined
-def answer(b, step, count, firsts, seen, p, law_channels, law_direct):
-    """Inputs of the lanes in a step."""
+def end_answers(b, step, count, firsts, seen, p, law_channels, law_direct):
+    """Find the inputs of the lanes in a step."""
     for i in range(count):
         first = firsts[i] & (BLOCK - GROUP)
         for j in range(first, first + GROUP):
             x0, x1, x2, u0, u1 = state_at(b, j, seen)
             way = b[WAY + j]
             one, two = law_channels(step, way, x0, x1, x2, u0, p)
-            tau1, tau2 = explicit_answers(one, two, b[ERROR1 + j], b[ERROR2 + j], p)
+            error1, error2 = b[ERROR1 + j], b[ERROR2 + j]
+            tau1, tau2 = ended_answers(one, two, b[BEGUN1 + j], b[BEGUN2 + j], error1, error2, p)
             tau2 = with_direct(tau2, law_direct(step, way, x1, x2, u1, p), p)
-            here = b[STEP + j] == step
-            b[NEW1 + j] = tau1 if here else b[NEW1 + j]
-            b[NEW2 + j] = tau2 if here else b[NEW2 + j]
+            keep(b, j, b[STEP + j] == step, NEW1, NEW2, (tau1, tau2))
 
 
 @inlined
 def answer_turn(b, count, firsts, pose, p):
-    """Inputs of lanes that turn."""
+    """Find the inputs of lanes that turn: few, and for a short while."""
     for i in range(count):
         first = firsts[i] & (BLOCK - GROUP)
         for j in range(first, first + GROUP):
-            theta, _, omega = pose(b, j)
+            theta, v, omega = pose(b, j)
             one, two = turn_channels(theta + p.lookahead * omega, p)
-            tau1, tau2 = explicit_answers(one, two, b[ERROR1 + j], b[ERROR2 + j], p)
-            here = b[STEP + j] == 0.0
-            b[NEW1 + j] = tau1 if here else b[NEW1 + j]
-            b[NEW2 + j] = tau2 if here else b[NEW2 + j]
+            keep(b, j, b[STEP + j] == 0.0, NEW1, NEW2, explicit_inputs(one, two, v, omega, p))
+
+
+@inlined
+def find_inputs(b, counts, groups, seen, pose, turns, p, law_channels, law_direct):
+    """Find the inputs of all lanes."""
+    if turns:
+        answer_turn(b, counts[0], groups[0], pose, p)
+    begin_errors(b, 1.0, counts[1], groups[1], seen, p, law_channels)
+    begin_errors(b, 2.0, counts[2], groups[2], seen, p, law_channels)
+    begin_errors(b, 3.0, counts[3], groups[3], seen, p, law_channels)
+    begin_errors(b, 4.0, counts[4], groups[4], seen, p, law_channels)
+    end_errors(b, 1.0, counts[1], groups[1], seen, p, law_channels)
+    end_errors(b, 2.0, counts[2], groups[2], seen, p, law_channels)
+    end_errors(b, 3.0, counts[3], groups[3], seen, p, law_channels)
+    end_errors(b, 4.0, counts[4], groups[4], seen, p, law_channels)
+    begin_answers(b, 1.0, counts[1], groups[1], seen, p, law_channels)
+    begin_answers(b, 2.0, counts[2], groups[2], seen, p, law_channels)
+    begin_answers(b, 3.0, counts[3], groups[3], seen, p, law_channels)
+    begin_answers(b, 4.0, counts[4], groups[4], seen, p, law_channels)
+    end_answers(b, 1.0, counts[1], groups[1], seen, p, law_channels, law_direct)
+    end_answers(b, 2.0, counts[2], groups[2], seen, p, law_channels, law_direct)
+    end_answers(b, 3.0, counts[3], groups[3], seen, p, law_channels, law_direct)
+    end_answers(b, 4.0, counts[4], groups[4], seen, p, law_channels, law_direct)

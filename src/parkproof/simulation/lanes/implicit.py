@@ -145,7 +145,7 @@ def end_of(b, j):
 
 
 @inlined
-def answer(b, step, count, firsts, seen, p, _law_channels, law_direct):
+def answer(b, step, count, firsts, seen, p, law_direct):
     """Inputs of the lanes in a step."""
     for i in range(count):
         first = firsts[i] & (BLOCK - GROUP)
@@ -174,3 +174,21 @@ def answer_turn(b, count, firsts, pose, p):
             here = b[STEP + j] == 0.0
             b[NEW1 + j] = tau1 if here else b[NEW1 + j]
             b[NEW2 + j] = tau2 if here else b[NEW2 + j]
+
+
+@inlined
+def find_inputs(b, counts, groups, seen, pose, turns, p, law_channels, law_direct):
+    """Find the inputs of all lanes."""
+    if turns:
+        prepare_turn(b, counts[0], groups[0], pose, p)
+    prepare(b, 1.0, counts[1], groups[1], seen, p, law_channels)
+    prepare(b, 2.0, counts[2], groups[2], seen, p, law_channels)
+    prepare(b, 3.0, counts[3], groups[3], seen, p, law_channels)
+    prepare(b, 4.0, counts[4], groups[4], seen, p, law_channels)
+    solve(b)
+    if turns:
+        answer_turn(b, counts[0], groups[0], pose, p)
+    answer(b, 1.0, counts[1], groups[1], seen, p, law_direct)
+    answer(b, 2.0, counts[2], groups[2], seen, p, law_direct)
+    answer(b, 3.0, counts[3], groups[3], seen, p, law_direct)
+    answer(b, 4.0, counts[4], groups[4], seen, p, law_direct)

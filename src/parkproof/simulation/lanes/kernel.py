@@ -39,6 +39,7 @@ from .buffer import (
     ENDING,
     GROUP,
     LEFT_CHART,
+    MORE,
     NEW1,
     NEW2,
     NEXT,
@@ -180,8 +181,7 @@ def trials_of_a_block(
     seen = S0 if known else SEEN0
     X0, X1, X2, X3, X4 = range(seen, seen + 5 * BLOCK, BLOCK)
     form = implicit_form if implicit else explicit_form
-    prepare, solve, answer = form.prepare, form.solve, form.answer
-    prepare_turn, answer_turn = form.prepare_turn, form.answer_turn
+    find_inputs = form.find_inputs
     must_be_seen = not known and not turns
     can_be_misled = robot == "chained" and not exact
     begin, look, pose, settle, pictured, gain, act, go, idle = parts_of(
@@ -190,8 +190,7 @@ def trials_of_a_block(
 
     @inlined
     def switch_from(b, step, count, firsts, t, cameras, limits, p):
-        """Next step of lanes in one step; say of how many there is more to do: a change, an end."""
-        found = 0
+        """Next step of lanes in one step; note where there is more to do: a change, an end."""
         for i in range(count):
             first = firsts[i] & (BLOCK - GROUP)  # so that the compiler sees that it is an index
             for j in range(first, first + GROUP):
@@ -201,21 +200,18 @@ def trials_of_a_block(
                 b[NEXT + j] = after if here else b[NEXT + j]
                 more = after != step or end_code(b, cameras, j, limits, turns, pictured) > 0.0
                 more = more or (must_be_seen and is_unseen(b, j))
-                found += 1 if here and more else 0
-        return found
+                b[MORE + j] += 1.0 if here and more else 0.0
 
     @inlined
     def turning_from(b, count, firsts, cameras, limits, p):
-        """Say of how many lanes that turn there is more to do: the turn is done, or the lane."""
-        found = 0
+        """Note for which lanes that turn there is more to do: the turn is done, or the lane."""
         for i in range(count):
             first = firsts[i] & (BLOCK - GROUP)
             for j in range(first, first + GROUP):
                 theta, v, omega = pose(b, j)
                 more = turned(theta, v, omega, p) or abs(b[S2 + j]) >= math.pi
                 more = more or end_code(b, cameras, j, limits, turns, pictured) > 0.0
-                found += 1 if b[STEP + j] == 0.0 and more else 0
-        return found
+                b[MORE + j] += 1.0 if b[STEP + j] == 0.0 and more else 0.0
 
     @inlined
     def ask_to_begin(b, j, p):
@@ -263,14 +259,16 @@ def trials_of_a_block(
         for k in range(clock.samples + 1):
             t = k * clock.period
             look(b, cameras, ring, k, sensing, keys)
-            more = (
-                switch_from(b, 1.0, counts[1], groups[1], t, cameras, limits, p)
-                + switch_from(b, 2.0, counts[2], groups[2], t, cameras, limits, p)
-                + switch_from(b, 3.0, counts[3], groups[3], t, cameras, limits, p)
-                + switch_from(b, 4.0, counts[4], groups[4], t, cameras, limits, p)
-            )
+            switch_from(b, 1.0, counts[1], groups[1], t, cameras, limits, p)
+            switch_from(b, 2.0, counts[2], groups[2], t, cameras, limits, p)
+            switch_from(b, 3.0, counts[3], groups[3], t, cameras, limits, p)
+            switch_from(b, 4.0, counts[4], groups[4], t, cameras, limits, p)
             if turns:
-                more += turning_from(b, counts[0], groups[0], cameras, limits, p)
+                turning_from(b, counts[0], groups[0], cameras, limits, p)
+            more = 0
+            for j in range(BLOCK):
+                more += 1 if b[MORE + j] > 0.0 else 0
+                b[MORE + j] = 0.0
             if more > 0 or k == 0:
                 ended = mark_ends(b, cameras, limits, turns, pictured)
                 if must_be_seen:
@@ -281,19 +279,7 @@ def trials_of_a_block(
                 if BLOCK > 1:
                     arrange(b, ring, tones, kinds, adversary, keys, cameras)
                 find_steps(b, counts, groups)
-            if turns:
-                prepare_turn(b, counts[0], groups[0], pose, p)
-            prepare(b, 1.0, counts[1], groups[1], seen, p, law_channels)
-            prepare(b, 2.0, counts[2], groups[2], seen, p, law_channels)
-            prepare(b, 3.0, counts[3], groups[3], seen, p, law_channels)
-            prepare(b, 4.0, counts[4], groups[4], seen, p, law_channels)
-            solve(b)
-            if turns:
-                answer_turn(b, counts[0], groups[0], pose, p)
-            answer(b, 1.0, counts[1], groups[1], seen, p, law_channels, law_direct)
-            answer(b, 2.0, counts[2], groups[2], seen, p, law_channels, law_direct)
-            answer(b, 3.0, counts[3], groups[3], seen, p, law_channels, law_direct)
-            answer(b, 4.0, counts[4], groups[4], seen, p, law_channels, law_direct)
+            find_inputs(b, counts, groups, seen, pose, turns, p, law_channels, law_direct)
             if k == 0:
                 for j in range(BLOCK):
                     b[TAU1 + j], b[TAU2 + j] = b[NEW1 + j], b[NEW2 + j]

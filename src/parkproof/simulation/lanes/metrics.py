@@ -154,13 +154,14 @@ def measure(b, late, holding, turning, gain):
         x, y, u0, u1 = b[S0 + j], b[S1 + j], b[S3 + j], b[S4 + j]
         in_chart = b[CHART + j] == 1.0
         x2 = b[S2 + j] if in_chart else 0.0
+        size0, size1 = (abs(u0) if in_chart else 0.0), (abs(u1) if in_chart else 0.0)
         b[EXCURSION2 + j] = max(b[EXCURSION2 + j], x * x + y * y)
         b[LOW0 + j] = min(b[LOW0 + j], x)
         b[HIGH0 + j] = max(b[HIGH0 + j], x)
         b[MAX1 + j] = max(b[MAX1 + j], abs(y))
         b[MAX2 + j] = max(b[MAX2 + j], abs(x2))
-        b[MAX3 + j] = max(b[MAX3 + j], abs(u0) if in_chart else 0.0)
-        b[MAX4 + j] = max(b[MAX4 + j], abs(u1) if in_chart else 0.0)
+        b[MAX3 + j] = max(b[MAX3 + j], size0)
+        b[MAX4 + j] = max(b[MAX4 + j], size1)
         # no roots and quotients here: speed is kept squared, turn rate as a fraction
         square = 1.0 + x2 * x2
         b[SPEED + j] = max(b[SPEED + j], u0 * u0 * square)
