@@ -26,14 +26,11 @@ ROUNDER_BITS = 0x4338000000000000
 SQRT_HALF_BITS = 0x3FE6A09E667F3BCD
 SMALLEST_NORMAL = 2.2250738585072014e-308
 
-# log2(1 + z)/z, z from √½ − 1 to √2 − 1
+# log2((1 + f)/(1 − f))/f as a polynomial in f², |f| ≤ (√2 − 1)/(√2 + 1)
 LOG = table(
     "logarithm",
-    1.442695040888961, -0.7213475204444744, 0.48089834696635186, -0.36067376022931874,
-    0.2885390074459846, -0.2404491717654101, 0.20609935165660867, -0.1803370456075891,
-    0.16029707750652847, -0.14426173158514688, 0.13120223089953834, -0.12041875891128528,
-    0.11051433445433557, -0.10044652934071209, 0.09704605528122602, -0.10715965704794954,
-    0.10097695102587106, -0.04694320952454281,
+    2.885390081777927, 0.9617966939243345, 0.5770780172463286, 0.4121984020482752,
+    0.32061638813224547, 0.2614442493522915, 0.2429160853987535,
 )  # fmt: skip
 # 2^r for |r| ≤ ½
 EXP = table(
@@ -80,16 +77,13 @@ def _begun_polynomial(x: float, p: float) -> float:
     bits = bits_of(abs(x))
     exponent = (bits - BITS(0)) >> 52
     m = double_of(bits - (exponent << 52))
-    z = m - PLACES(0)  # divisions are slow: a longer polynomial is quicker than one in z/(z + 2)
-    z2 = z * z
-    z4 = z2 * z2
-    a = fused(fused(LOG(3), z, LOG(2)), z2, fused(LOG(1), z, LOG(0)))
-    b = fused(fused(LOG(7), z, LOG(6)), z2, fused(LOG(5), z, LOG(4)))
-    c = fused(fused(LOG(11), z, LOG(10)), z2, fused(LOG(9), z, LOG(8)))
-    d = fused(fused(LOG(15), z, LOG(14)), z2, fused(LOG(13), z, LOG(12)))
-    e = fused(LOG(17), z, LOG(16))
-    series = fused(fused(fused(fused(e, z4, d), z4, c), z4, b), z4, a)
-    return p * fused(z, series, double_of(exponent + BITS(1)) - PLACES(1))
+    f = (m - PLACES(0)) / (m + PLACES(0))
+    g = f * f
+    g2 = g * g
+    a = fused(fused(LOG(3), g, LOG(2)), g2, fused(LOG(1), g, LOG(0)))
+    b = fused(LOG(6), g2, fused(LOG(5), g, LOG(4)))
+    series = fused(b, g2 * g2, a)
+    return p * fused(f, series, double_of(exponent + BITS(1)) - PLACES(1))
 
 
 def _ended_polynomial(begun: float, x: float, p: float) -> float:
