@@ -217,8 +217,12 @@ def _carry_out(
         kernel(*shared, *parts, rows)
         return rows
 
-    with ThreadPoolExecutor(threads) as pool:
-        blocks = list(pool.map(block, range(0, len(trials), BLOCK)))
+    begins = range(0, len(trials), BLOCK)
+    if threads == 1:  # a thread of its own would have to be waited for, block by block
+        blocks = [block(begin) for begin in begins]
+    else:
+        with ThreadPoolExecutor(threads) as pool:
+            blocks = list(pool.map(block, begins))
     rows = np.empty((len(RESULTS), len(trials)))
     rows[:, order] = np.hstack(blocks)[:, : len(trials)]
     return rows
