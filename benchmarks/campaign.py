@@ -70,7 +70,7 @@ def main() -> None:
     for _ in track(range(asked.rounds), description="rounds"):
         one, two = seconds(asked.trials), seconds(asked.trials, threads=2)
         with cluster(2):  # its processes take some time even when they have nothing to do
-            seconds(asked.trials // 16, scheduler=ADDRESS)
+            seconds(asked.trials, scheduler=ADDRESS)  # as warm as the threads are
             times.append((one, two, seconds(asked.trials, scheduler=ADDRESS)))
     one, two, workers = (statistics.median(column) for column in zip(*times, strict=True))
     print(f"{asked.trials} trials of 15 s at 1 ms, medians of {asked.rounds} rounds")
