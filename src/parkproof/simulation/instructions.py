@@ -70,12 +70,7 @@ class Instructions(FunctionPass):
 
     def run_pass(self, state: Any) -> bool:
         """Replace what they call, and say whether there was anything."""
-        assignments = [
-            statement
-            for block in state.func_ir.blocks.values()
-            for statement in block.body
-            if isinstance(statement, ir.Assign)
-        ]
+        assignments = assignments_of(state.func_ir)
         counts = {
             each.value.func.name: len(each.value.args)
             for each in assignments
@@ -91,6 +86,27 @@ class Instructions(FunctionPass):
         for each, instruction in found:
             replace_value(state.func_ir, each, ir.Global("", instruction, each.loc))
         return bool(found)
+
+
+def assignments_of(func_ir: Any) -> list[Any]:
+    """All assignments of numba's intermediate form of a function.
+
+    Parameters
+    ----------
+    func_ir : numba.core.ir.FunctionIR
+        The function's form.
+
+    Returns
+    -------
+    list of numba.core.ir.Assign
+        In order, block by block.
+    """
+    return [
+        statement
+        for block in func_ir.blocks.values()
+        for statement in block.body
+        if isinstance(statement, ir.Assign)
+    ]
 
 
 def replace_value(func_ir: Any, assignment: Any, value: Any) -> None:

@@ -14,7 +14,7 @@ from numba import types
 from numba.core import ir
 from numba.core.compiler_machinery import FunctionPass, register_pass
 
-from parkproof.simulation.instructions import replace_value
+from parkproof.simulation.instructions import assignments_of, replace_value
 
 
 def has_singles(kind: Any) -> bool:
@@ -53,12 +53,7 @@ class SingleConstants(FunctionPass):
         """Replace them, and say whether there were any."""
         if not any(has_singles(kind) for kind in state.args):
             return False
-        assignments = [
-            statement
-            for block in state.func_ir.blocks.values()
-            for statement in block.body
-            if isinstance(statement, ir.Assign)
-        ]
+        assignments = assignments_of(state.func_ir)
         modules = {
             each.target.name: each.value.value
             for each in assignments
