@@ -2,13 +2,18 @@
 
 import math
 from itertools import product
+from types import SimpleNamespace
 from typing import Any
 
 import numba
 import numpy as np
 import pytest
+from numba.core import ir
+from numba.core.compiler import run_frontend
+from numba.core.errors import TypingError
 
 from parkproof.simulation.compiler import KERNEL, inlined
+from parkproof.simulation.instructions import Instructions, assignments_of
 
 NUMBERS = (-math.inf, -2.5, -0.0, 0.0, 1.0, math.nan)
 
@@ -21,6 +26,17 @@ def extremes(a: Any, b: Any, c: Any, d: Any) -> Any:
 @numba.njit(**KERNEL)  # type: ignore[untyped-decorator]
 def compiled_extremes(a: Any, b: Any, c: Any, d: Any) -> Any:
     return extremes(a, b, c, d)
+
+
+def names_left(function: Any) -> set[str]:
+    """Functions that a function still calls by their names after the pass."""
+    form = run_frontend(function)
+    Instructions().run_pass(SimpleNamespace(func_ir=form))
+    return {
+        each.value.name
+        for each in assignments_of(form)
+        if isinstance(each.value, ir.Global) and each.value.name
+    }
 
 
 def bits(numbers: Any) -> list[bytes]:
@@ -50,11 +66,28 @@ def test_int_cuts_off_as_python_does(number: float) -> None:
     assert compiled(number) == int(number)
 
 
-def test_a_choice_between_functions_is_left_to_numba() -> None:
-    """The pass replaces only what it can see to be called with so many numbers."""
+def test_a_call_with_a_choice_among_its_numbers_is_left_to_numba() -> None:
+    """Numba's form names the function before the choice, in another block than the call."""
+    assert "max" in names_left(lambda x, up: max(0.5, x if up else -x))
 
     @numba.njit(**KERNEL)  # type: ignore[untyped-decorator]
     def compiled(x: Any, up: bool) -> Any:
         return max(0.5, x if up else -x)
 
     assert (compiled(2.0, True), compiled(2.0, False)) == (2.0, 0.5)
+
+
+def test_other_calls_are_left_to_numba() -> None:
+    assert names_left(lambda x: max(x, -x) + int(x)) == set()
+    assert names_left(lambda x: int(x, base=7)) == {"int"}
+    assert names_left(lambda x: min(*x)) == {"min"}
+
+
+@pytest.mark.parametrize("numbers", [(True, False), (np.uint64(2**63), np.uint64(1))])
+def test_numbers_that_would_be_compared_as_signed_ones_are_refused(numbers: Any) -> None:
+    @numba.njit(**KERNEL)  # type: ignore[untyped-decorator]
+    def compiled(a: Any, b: Any) -> Any:
+        return max(a, b)
+
+    with pytest.raises(TypingError, match="signed"):
+        compiled(*numbers)

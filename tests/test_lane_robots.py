@@ -192,6 +192,7 @@ def differing(one: dict[str, Any], other: dict[str, Any], places: Any) -> list[s
     [
         ("velocity", "corrected", "implicit", False),
         ("chained", "homogeneous", "implicit", True),
+        ("chained", "corrected", "explicit", True),
     ],
 )
 def test_a_lane_depends_neither_on_its_place_nor_on_its_company(

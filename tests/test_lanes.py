@@ -82,19 +82,48 @@ def test_polynomial_power_of_special_numbers() -> None:
         )
 
 
-def test_the_halves_of_a_power_make_the_power() -> None:
+@pytest.mark.parametrize("p", [0.2, 1.0, 11 / 7])
+def test_the_halves_of_a_power_make_the_power(p: float) -> None:
+    """In loops of their own, as lanes go through them, and in plain Python."""
+
     @numba.njit(**OPTIONS)  # type: ignore[untyped-decorator]
-    def in_halves(x: float, p: float) -> float:
-        return spow_ended(spow_begun(x, p), x, p)  # type: ignore[no-any-return]
+    def in_two_loops(x: np.ndarray, begun: np.ndarray, out: np.ndarray) -> None:
+        for i in range(x.size):
+            begun[i] = spow_begun(x[i], p)
+        for i in range(x.size):
+            out[i] = spow_ended(begun[i], x[i], p)
 
     rng = np.random.default_rng(3)
-    x = [0.0, -1e-310, 1e300, *(10.0 ** rng.uniform(-300.0, 6.0, 300) * rng.choice([-1, 1], 300))]
-    for p in (0.2, 1.0, 11 / 7):
-        assert [in_halves(number, p) for number in x] == powers(x, p).tolist()
-        some = x[3:]
-        assert [spow_ended(spow_begun(number, p), number, p) for number in some] == [
-            spow(number, p) for number in some
-        ]
+    x = np.array([0.0, -1e-310, *(10.0 ** rng.uniform(-12.0, 6.0, 300) * rng.choice([-1, 1], 300))])
+    out = np.empty(x.size)
+    in_two_loops(x, np.empty(x.size), out)
+    assert not out[:2].any()
+    assert out[2:] == pytest.approx([spow(number, p) for number in x[2:]], rel=2e-14, abs=0.0)
+    for number in (*x.tolist(), 1e150, math.inf):
+        assert spow_ended(spow_begun(number, p), number, p) == spow(number, p)
+
+
+def test_a_power_of_1_is_its_base_whatever_was_begun() -> None:
+    @numba.njit(**OPTIONS)  # type: ignore[untyped-decorator]
+    def ended(begun: float, x: float) -> float:
+        return spow_ended(begun, x, 1.0)  # type: ignore[no-any-return]
+
+    for x in (-1.7e308, -0.3, 1e-200, 5.0):
+        assert [ended(begun, x) for begun in (0.0, 5e3, -math.inf)] == [x, x, x]
+
+
+def test_powers_of_tiny_numbers_keep_twelve_digits() -> None:
+    rng = np.random.default_rng(5)
+    x = 10.0 ** rng.uniform(-300.0, -12.0, 20_000) * rng.choice([-1.0, 1.0], 20_000)
+    p = rng.uniform(0.05, 1.0, x.size)
+    exact = np.copysign(np.abs(x) ** p, x)
+    assert np.max(np.abs(powers(x, p) / exact - 1.0)) < 2e-13
+
+
+def test_powers_beyond_all_doubles_stay_huge_or_tiny_and_keep_their_sign() -> None:
+    huge, tiny = powers([1e300, -1e300], 3.0), powers([1e-300, -1e-300], 3.0)
+    assert (huge[0] > 1e307, huge[1] < -1e307) == (True, True)
+    assert (0.0 < tiny[0] < 1e-307, -1e-307 < tiny[1] < 0.0) == (True, True)
 
 
 def test_polynomial_sine_agrees_with_the_library_to_1e_15() -> None:

@@ -20,8 +20,8 @@ def scalar(function: Function) -> Function:
     """Mark a pure function of floats as a source for compiled lanes, and return it unchanged.
 
     Such a function takes and returns floats (or tuples of floats), uses only other marked
-    functions, the primitives of this module, ``abs``, ``min``, ``max`` and ``math.sqrt``, and
-    chooses with conditional expressions.
+    functions, the primitives of this module, ``abs``, ``min``, ``max``, ``math.sqrt`` and
+    ``math.copysign``, and chooses with conditional expressions.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def spow_begun(x: float, p: float) -> float:
     """First half of `spow`; what it is matters to `spow_ended` alone.
 
     A loop over lanes goes through a whole power slowly, as a processor sees too few lanes ahead
-    while it waits for each power. Through two loops, over halves of it, it goes twice as fast.
+    while it waits for each power. So lanes go through two loops, over halves of it.
 
     Parameters
     ----------

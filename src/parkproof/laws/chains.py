@@ -11,11 +11,37 @@ vanishes, and changes sign, on its *surface* u* = −⌈offset⌋^(1/power).
 from collections.abc import Callable, Sequence
 
 from parkproof.errors import InputError
-from parkproof.scalar import scalar, spow
+from parkproof.scalar import scalar, spow, spow_begun, spow_ended
 from parkproof.validate import finite, positive
 
 ChannelLaw = tuple[float, float, float, float]
 """(gain, power, offset, outer) of ũ = −gain·⌈⌈u⌋^power + offset⌋^outer; no control if gain = 0."""
+
+
+@scalar
+def ended_error(begun: float, u: float, power: float, offset: float) -> float:
+    """Error of a channel's last state whose power has been begun, the second half of `chain_error`.
+
+    Parameters
+    ----------
+    begun : float
+        `parkproof.scalar.spow_begun` of u and power.
+    u : float
+        Last state of the chain.
+    power, offset : float
+        Of the channel's law.
+
+    Returns
+    -------
+    float
+        The error.
+
+    Examples
+    --------
+    >>> ended_error(9.0, 3.0, 2.0, -1.0)
+    8.0
+    """
+    return spow_ended(begun, u, power) + offset
 
 
 @scalar
@@ -39,7 +65,7 @@ def chain_error(u: float, power: float, offset: float) -> float:
     >>> chain_error(3.0, 2.0, -1.0)
     8.0
     """
-    return spow(u, power) + offset
+    return ended_error(spow_begun(u, power), u, power, offset)
 
 
 @scalar

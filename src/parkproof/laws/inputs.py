@@ -5,7 +5,7 @@ go through in loops of their own. The implicit form evaluates the nominal law at
 predicted one period ahead and takes the sign at the period's end.
 """
 
-from parkproof.laws.chains import ChannelLaw
+from parkproof.laws.chains import ChannelLaw, ended_error
 from parkproof.laws.parameters import LawParameters
 from parkproof.laws.robustify import implicit_end, pull, robust
 from parkproof.scalar import clip, scalar, spow_begun, spow_ended
@@ -118,7 +118,8 @@ def ended_errors(
     """
     _, power1, offset1, _ = one
     _, power2, offset2, _ = two
-    return spow_ended(begun1, u0, power1) + offset1, spow_ended(begun2, u1, power2) + offset2
+    error1 = ended_error(begun1, u0, power1, offset1)
+    return error1, ended_error(begun2, u1, power2, offset2)
 
 
 @scalar

@@ -116,7 +116,7 @@ def implicit_excess(
 
 
 @scalar
-def begun(distance: float, excess: float, outer: float) -> Search:
+def begun_search(distance: float, excess: float, outer: float) -> Search:
     """Begin a search with what is left over at the free distance itself.
 
     The next look is where the equation would hold if the nominal law went to zero at the surface
@@ -138,7 +138,7 @@ def begun(distance: float, excess: float, outer: float) -> Search:
 
     Examples
     --------
-    >>> begun(1.0, 0.5, 0.5)[-1]
+    >>> begun_search(1.0, 0.5, 0.5)[-1]
     0.6
     """
     tangent = distance - excess * distance / (distance + outer * excess)
@@ -147,7 +147,7 @@ def begun(distance: float, excess: float, outer: float) -> Search:
 
 
 @scalar
-def narrowed(
+def narrowed_search(
     low: float,
     high: float,
     at_low: float,
@@ -172,7 +172,7 @@ def narrowed(
 
     Examples
     --------
-    >>> narrowed(0.0, 1.0, -1.0, 0.5, 0.0, 0.5, -0.25)
+    >>> narrowed_search(0.0, 1.0, -1.0, 0.5, 0.0, 0.5, -0.25)
     (0.5, 1.0, -0.25, 0.5, -1.0, 0.6666666666666667)
     """
     above = excess > 0.0
@@ -227,11 +227,11 @@ def implicit_end(
     if distance <= 0.0:
         return surface
     excess = implicit_excess(distance, surface, side, distance, size, power, offset, outer)
-    low, high, at_low, at_high, last, at = begun(distance, excess, outer)
+    low, high, at_low, at_high, last, at = begun_search(distance, excess, outer)
     looks = 0
     while looks < LOOKS:
         excess = implicit_excess(at, surface, side, distance, size, power, offset, outer)
-        low, high, at_low, at_high, last, at = narrowed(
+        low, high, at_low, at_high, last, at = narrowed_search(
             low, high, at_low, at_high, last, at, excess
         )
         looks = LOOKS if abs(excess) <= CLOSE * distance else looks + 1

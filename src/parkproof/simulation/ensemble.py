@@ -67,8 +67,9 @@ def simulate_ensemble(
         What computes: this computer's processor, or its NVIDIA graphics processor, where results
         agree to rounding.
     precision : "double" or "single"
-        Singles take half the time. They are for statistics: settling times of some trials are some
-        periods off (docs/numerics.md says how many). On this computer's processor only.
+        Singles take two thirds to three quarters of the time. They are for statistics: settling
+        times of some trials are some periods off (docs/numerics.md says how many). On this
+        computer's processor only.
 
     Returns
     -------

@@ -5,7 +5,8 @@ it calls, and turned into machine code of its own. Of the eighty functions that 
 none is called but in the kernel. Here they are only translated, and the kernel, into which they
 have been put, is optimised, once. Passes for what none of them has (closures, expressions of
 arrays, literal loops) are left out, and so is what `inspect_types` would print. A kernel is
-compiled in a third of the time that numba would take by itself.
+compiled in a third of the time that numba would take by itself. numba's settings for optimisation
+(``NUMBA_OPT``, ``NUMBA_LOOP_VECTORIZE``) do not count for kernels.
 
 numba documents pipelines of one's own (`numba.core.compiler.CompilerBase`); the two libraries
 override methods of its code generator that it does not document, hence the narrow range of
@@ -57,7 +58,7 @@ class InlinedLibrary(_AsTranslated):
         return super()._get_module_for_linking()
 
     def _get_module_for_linking(self) -> Any:
-        """Its code with that of all that it calls, for others."""
+        """Its code with that of all that it calls, for functions that numba compiles as usual."""
         whole = self.alone().clone()
         for library in self._linking_libraries:
             whole.link_in(library._get_module_for_linking(), preserve=True)
@@ -75,7 +76,10 @@ class KernelLibrary(_AsTranslated):
     """Code of a kernel, optimised in one go: there are no references to count beforehand."""
 
     def finalize(self) -> None:
-        """Link each function once, those that call before those that are called; then go on."""
+        """Link each function once, after one that calls it; then go on.
+
+        What has been linked before anything calls it would be left out.
+        """
         left, known, others = list(self._linking_libraries), set[Any](), []
         while left:
             library = left.pop(0)
@@ -94,7 +98,7 @@ class KernelLibrary(_AsTranslated):
         options = create_pipeline_tuning_options(3)
         options.loop_vectorization, options.slp_vectorization = True, False
         # else short loops over the lanes of a group are unrolled before they are looked at for
-        # vector instructions, and then have none
+        # vector instructions, and then have none; unrolled afterwards they are no faster
         options.loop_unrolling = False
         builder = create_pass_builder(self._codegen._tm, options)
         builder.getModulePassManager().run(self._final_module, builder)

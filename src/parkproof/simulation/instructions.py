@@ -2,7 +2,7 @@
 
 numba compiles functions of its own for them, each with optimisation and machine code, though nobody
 calls them once they have been inlined. These give what Python gives: the first of several numbers,
-unless a later one is beyond it.
+unless a later one is beyond it (as a double, where some of them are doubles).
 """
 
 from typing import Any
@@ -10,6 +10,7 @@ from typing import Any
 from numba import types
 from numba.core import ir
 from numba.core.compiler_machinery import FunctionPass, register_pass
+from numba.core.errors import TypingError
 from numba.extending import intrinsic
 
 
@@ -17,6 +18,8 @@ def _beyond(context: Any, relation: str, *kinds: Any) -> Any:
     """Choose the number that has a relation to all before it, else stay with the one before."""
     kind = context.unify_types(*kinds)
     real = isinstance(kind, types.Float)
+    if not real and not (isinstance(kind, types.Integer) and kind.signed):
+        raise TypingError(f"max and min of {kinds} in a kernel: give floats or signed integers")
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         pairs = zip(args, sig.args, strict=True)
@@ -42,7 +45,7 @@ def _of_four(relation: str) -> Any:
 
 
 @intrinsic
-def whole(_context: Any, number: Any) -> Any:
+def truncated(_context: Any, number: Any) -> Any:
     """``int`` of a number."""
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -55,13 +58,17 @@ KNOWN = {
     (function, count): of(relation)
     for function, relation in ((max, ">"), (min, "<"))
     for count, of in ((2, _of_two), (3, _of_three), (4, _of_four))
-} | {(int, 1): whole}
+} | {(int, 1): truncated}
 """What stands for a function called with so many numbers."""
 
 
 @register_pass(mutates_CFG=False, analysis_only=False)
 class Instructions(FunctionPass):
-    """Let functions call these."""
+    """Let functions call these, where it sees a call with so many numbers.
+
+    With a conditional expression among them, numba's form names the function in another block; that
+    call is left as it is.
+    """
 
     _name = "parkproof_instructions"
 
@@ -74,7 +81,10 @@ class Instructions(FunctionPass):
         counts = {
             each.value.func.name: len(each.value.args)
             for each in assignments
-            if isinstance(each.value, ir.Expr) and each.value.op == "call" and not each.value.vararg
+            if isinstance(each.value, ir.Expr)
+            and each.value.op == "call"
+            and not each.value.vararg
+            and not each.value.kws
         }
         found = [
             (each, KNOWN[call])

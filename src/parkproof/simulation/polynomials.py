@@ -87,7 +87,10 @@ def _begun_polynomial(x: float, p: float) -> float:
 
 
 def _ended_polynomial(begun: float, x: float, p: float) -> float:
-    """sign(x)·2^begun; 0 where |x| is below the smallest normal number."""
+    """sign(x)·2^begun where that is a normal number; 0 where |x| is below the smallest one.
+
+    Beyond, from 2^−1021.5 down and from 2^1023.5 up, the size is off by a factor of two.
+    """
     shifted = begun + PLACES(1)
     r = begun - (shifted - PLACES(1))
     r2 = r * r
@@ -98,7 +101,7 @@ def _ended_polynomial(begun: float, x: float, p: float) -> float:
     fraction = fused(fused(third, r4, second), r4, first)
     whole = max(LIMITS(1), min(LIMITS(2), shifted))
     power = double_of(bits_of(fraction) + (bits_of(whole) << 52))
-    # where the compiler knows the exponent to be 1, nothing is left of all this
+    # where the compiler knows the exponent to be 1, nothing is left of this half
     signed = x if p == 1.0 else math.copysign(power, x)
     return signed if abs(x) >= LIMITS(0) else 0.0
 

@@ -1,7 +1,9 @@
 """Inputs of a block of lanes in the explicit form.
 
-In four loops for each step, each so short that a processor works on several groups of lanes at
-once: a power takes it a hundred cycles in which it can look some two hundred instructions ahead.
+In four loops for each step, most of them over half a power of both channels, so that a processor
+works on several groups of lanes at once: a power takes it a hundred cycles in which it can look
+some two hundred instructions ahead. (The second also has the power that is in the offset of
+`parkproof.laws.chains.three_chain`, where that is in force.)
 Compiled code: ``b`` is the buffer of `parkproof.simulation.lanes.buffer`, ``seen`` the first of the
 five rows that controllers are given.
 """
@@ -18,15 +20,7 @@ from parkproof.laws.turn import turn_channels
 from parkproof.simulation.compiler import inlined
 
 from .buffer import BEGUN1, BEGUN2, BLOCK, ERROR1, ERROR2, GROUP, NEW1, NEW2, STEP, WAY
-from .plant import state_at
-
-
-@inlined
-def keep(b, j, here, row1, row2, numbers):
-    """Keep two numbers of a lane in two rows if it is in the step that they are for."""
-    number1, number2 = numbers
-    b[row1 + j] = number1 if here else b[row1 + j]
-    b[row2 + j] = number2 if here else b[row2 + j]
+from .plant import put_where, state_at
 
 
 @inlined
@@ -37,8 +31,8 @@ def begin_errors(b, step, count, firsts, seen, p, law_channels):
         for j in range(first, first + GROUP):
             x0, x1, x2, u0, u1 = state_at(b, j, seen)
             one, two = law_channels(step, b[WAY + j], x0, x1, x2, u0, p)
-            here = b[STEP + j] == step
-            keep(b, j, here, BEGUN1, BEGUN2, begun_errors(one, two, u0, u1))
+            begun = begun_errors(one, two, u0, u1)
+            put_where(b[STEP + j] == step, b, j, BEGUN1, BEGUN2, begun)
 
 
 @inlined
@@ -50,7 +44,7 @@ def end_errors(b, step, count, firsts, seen, p, law_channels):
             x0, x1, x2, u0, u1 = state_at(b, j, seen)
             one, two = law_channels(step, b[WAY + j], x0, x1, x2, u0, p)
             errors = ended_errors(one, two, b[BEGUN1 + j], b[BEGUN2 + j], u0, u1)
-            keep(b, j, b[STEP + j] == step, ERROR1, ERROR2, errors)
+            put_where(b[STEP + j] == step, b, j, ERROR1, ERROR2, errors)
 
 
 @inlined
@@ -62,7 +56,7 @@ def begin_answers(b, step, count, firsts, seen, p, law_channels):
             x0, x1, x2, u0, _ = state_at(b, j, seen)
             one, two = law_channels(step, b[WAY + j], x0, x1, x2, u0, p)
             begun = begun_answers(one, two, b[ERROR1 + j], b[ERROR2 + j])
-            keep(b, j, b[STEP + j] == step, BEGUN1, BEGUN2, begun)
+            put_where(b[STEP + j] == step, b, j, BEGUN1, BEGUN2, begun)
 
 
 @inlined
@@ -77,7 +71,7 @@ def end_answers(b, step, count, firsts, seen, p, law_channels, law_direct):
             error1, error2 = b[ERROR1 + j], b[ERROR2 + j]
             tau1, tau2 = ended_answers(one, two, b[BEGUN1 + j], b[BEGUN2 + j], error1, error2, p)
             tau2 = with_direct(tau2, law_direct(step, way, x1, x2, u1, p), p)
-            keep(b, j, b[STEP + j] == step, NEW1, NEW2, (tau1, tau2))
+            put_where(b[STEP + j] == step, b, j, NEW1, NEW2, (tau1, tau2))
 
 
 @inlined
@@ -88,12 +82,12 @@ def answer_turn(b, count, firsts, pose, p):
         for j in range(first, first + GROUP):
             theta, v, omega = pose(b, j)
             one, two = turn_channels(theta + p.lookahead * omega, p)
-            keep(b, j, b[STEP + j] == 0.0, NEW1, NEW2, explicit_inputs(one, two, v, omega, p))
+            put_where(b[STEP + j] == 0.0, b, j, NEW1, NEW2, explicit_inputs(one, two, v, omega, p))
 
 
 @inlined
 def find_inputs(b, counts, groups, seen, pose, turns, p, law_channels, law_direct):
-    """Find the inputs of all lanes."""
+    """Find the inputs of all lanes; steps are written out, so that the compiler knows each."""
     if turns:
         answer_turn(b, counts[0], groups[0], pose, p)
     begin_errors(b, 1.0, counts[1], groups[1], seen, p, law_channels)

@@ -10,10 +10,10 @@ from parkproof.laws.inputs import implicit_answers, predicted, with_direct
 from parkproof.laws.robustify import (
     CLOSE,
     LOOKS,
-    begun,
+    begun_search,
     implicit_excess,
     implicit_surface,
-    narrowed,
+    narrowed_search,
 )
 from parkproof.laws.turn import turn_channels
 from parkproof.simulation.compiler import inlined
@@ -41,7 +41,7 @@ from .buffer import (
     SURFACE,
     WAY,
 )
-from .plant import state_at
+from .plant import put_where, state_at
 
 
 @inlined
@@ -119,7 +119,7 @@ def solve(b):
                 left += 1 if b[OPEN + j] > 0.0 else 0
             if left > 0:
                 for j in range(first, first + GROUP):
-                    search = begun(b[DISTANCE + j], look(b, j), b[OUTER + j])
+                    search = begun_search(b[DISTANCE + j], look(b, j), b[OUTER + j])
                     note(b, j, b[OPEN + j] > 0.0, search)
             looks = 0
             while left > 0 and looks < LOOKS:
@@ -127,7 +127,7 @@ def solve(b):
                 for j in range(first, first + GROUP):
                     excess = look(b, j)
                     here = b[OPEN + j] > 0.0
-                    search = narrowed(
+                    search = narrowed_search(
                         b[LOW + j], b[HIGH + j], b[AT_LOW + j], b[AT_HIGH + j], b[LAST + j],
                         b[AT + j], excess,
                     )  # fmt: skip
@@ -156,9 +156,7 @@ def answer(b, step, count, firsts, seen, p, law_direct):
             tau1, tau2 = implicit_answers(end1, size1, end2, size2, u0, u1, p)
             _, y1, y2 = predicted(x0, x1, x2, u0, u1, p)
             tau2 = with_direct(tau2, law_direct(step, b[WAY + j], y1, y2, u1, p), p)
-            here = b[STEP + j] == step
-            b[NEW1 + j] = tau1 if here else b[NEW1 + j]
-            b[NEW2 + j] = tau2 if here else b[NEW2 + j]
+            put_where(b[STEP + j] == step, b, j, NEW1, NEW2, (tau1, tau2))
 
 
 @inlined
@@ -170,15 +168,13 @@ def answer_turn(b, count, firsts, pose, p):
             _, v, omega = pose(b, j)
             end1, end2 = end_of(b, j), end_of(b, j + CHANNELS)
             size1, size2 = b[SIZE + j], b[SIZE + CHANNELS + j]
-            tau1, tau2 = implicit_answers(end1, size1, end2, size2, v, omega, p)
-            here = b[STEP + j] == 0.0
-            b[NEW1 + j] = tau1 if here else b[NEW1 + j]
-            b[NEW2 + j] = tau2 if here else b[NEW2 + j]
+            answers = implicit_answers(end1, size1, end2, size2, v, omega, p)
+            put_where(b[STEP + j] == 0.0, b, j, NEW1, NEW2, answers)
 
 
 @inlined
 def find_inputs(b, counts, groups, seen, pose, turns, p, law_channels, law_direct):
-    """Find the inputs of all lanes."""
+    """Find the inputs of all lanes; steps are written out, so that the compiler knows each."""
     if turns:
         prepare_turn(b, counts[0], groups[0], pose, p)
     prepare(b, 1.0, counts[1], groups[1], seen, p, law_channels)

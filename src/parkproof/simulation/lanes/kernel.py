@@ -6,7 +6,7 @@ not depend on its place in a batch or on its company, as every operation rounds 
 loop (`parkproof.simulation.compiler`).
 
 A law goes through eight lanes at a time, once for each step in which some of them are, with that
-step known to the compiler: powers that a step does not need are then not there. Changes of step and
+step known to the compiler: what only other steps need is then not there. Changes of step and
 all that comes with them are rare, and done one lane at a time.
 
 A controller is given the rows X0 … X4: for robots of kind "chained" whose measurements are exact
@@ -105,9 +105,9 @@ def kernel_of(
     -------
     callable
         ``kernel(p, clock, limits, sensing, state, in_chart, scale_mean, scale_tones, mean, tones,
-        adversary, keys, camera, out)``: carries out the trials of one block of `BLOCK` lanes,
-        reading arrays whose last axis is the lane and writing the rows `RESULTS` into ``out``. It
-        releases the interpreter lock.
+        adversary, keys, camera, out)``: carries out the trials of one block of `BLOCK` lanes, from
+        arrays whose last axis is the lane, and writes the rows `RESULTS` into ``out``. Of the
+        arrays it changes ``out`` alone. It releases the interpreter lock.
 
     Examples
     --------
@@ -190,7 +190,7 @@ def trials_of_a_block(
 
     @inlined
     def switch_from(b, step, count, firsts, t, cameras, limits, p):
-        """Next step of lanes in one step; note where there is more to do: a change, an end."""
+        """Next step of lanes in one step; note whether there is more to do: a change, an end."""
         for i in range(count):
             first = firsts[i] & (BLOCK - GROUP)  # so that the compiler sees that it is an index
             for j in range(first, first + GROUP):
@@ -200,18 +200,21 @@ def trials_of_a_block(
                 b[NEXT + j] = after if here else b[NEXT + j]
                 more = after != step or end_code(b, cameras, j, limits, turns, pictured) > 0.0
                 more = more or (must_be_seen and is_unseen(b, j))
-                b[MORE + j] += 1.0 if here and more else 0.0
+                # in a row: to count here would take a sum across a register for each group
+                noted = 1.0 if more else 0.0
+                b[MORE + j] = noted if here else b[MORE + j]
 
     @inlined
     def turning_from(b, count, firsts, cameras, limits, p):
-        """Note for which lanes that turn there is more to do: the turn is done, or the lane."""
+        """Note whether there is more to do for lanes that turn: the turn is done, or the lane."""
         for i in range(count):
             first = firsts[i] & (BLOCK - GROUP)
             for j in range(first, first + GROUP):
                 theta, v, omega = pose(b, j)
                 more = turned(theta, v, omega, p) or abs(b[S2 + j]) >= math.pi
                 more = more or end_code(b, cameras, j, limits, turns, pictured) > 0.0
-                b[MORE + j] += 1.0 if b[STEP + j] == 0.0 and more else 0.0
+                noted = 1.0 if more else 0.0
+                b[MORE + j] = noted if b[STEP + j] == 0.0 else b[MORE + j]
 
     @inlined
     def ask_to_begin(b, j, p):
@@ -265,18 +268,17 @@ def trials_of_a_block(
             switch_from(b, 4.0, counts[4], groups[4], t, cameras, limits, p)
             if turns:
                 turning_from(b, counts[0], groups[0], cameras, limits, p)
-            more = 0
+            more = k == 0
             for j in range(BLOCK):
-                more += 1 if b[MORE + j] > 0.0 else 0
-                b[MORE + j] = 0.0
-            if more > 0 or k == 0:
+                more |= b[MORE + j] > 0.0
+            if more:
                 ended = mark_ends(b, cameras, limits, turns, pictured)
                 if must_be_seen:
                     ended += end_unseen(b)
                 ended += change_steps(b, t, p)
                 if ended > 0:
                     running -= hand_in(b, t, False, out, idle)
-                if BLOCK > 1:
+                if BLOCK > 1:  # one lane alone has nothing to sort, and shares ``adversary``
                     arrange(b, ring, tones, kinds, adversary, keys, cameras)
                 find_steps(b, counts, groups)
             find_inputs(b, counts, groups, seen, pose, turns, p, law_channels, law_direct)
@@ -290,7 +292,7 @@ def trials_of_a_block(
             last = k == clock.samples
             if ended > 0 or last:
                 running -= hand_in(b, t, last, out, idle)
-                find_steps(b, counts, groups)
+                find_steps(b, counts, groups)  # they stay where they are until the next change
             if running == 0:
                 break
             if opposed:

@@ -154,6 +154,7 @@ def measure(b, late, holding, turning, gain):
         x, y, u0, u1 = b[S0 + j], b[S1 + j], b[S3 + j], b[S4 + j]
         in_chart = b[CHART + j] == 1.0
         x2 = b[S2 + j] if in_chart else 0.0
+        # apart: `max` of a number that is chosen there and then would be a call of numba's
         size0, size1 = (abs(u0) if in_chart else 0.0), (abs(u1) if in_chart else 0.0)
         b[EXCURSION2 + j] = max(b[EXCURSION2 + j], x * x + y * y)
         b[LOW0 + j] = min(b[LOW0 + j], x)

@@ -54,7 +54,7 @@ def arrange(b, ring, tones, kinds, adversary, keys, cameras):
         while last > first:
             if b[STEP + last] <= step:
                 exchange(b, ring, tones, kinds, adversary, keys, cameras, first, last)
-                while b[STEP + first] <= step:
+                while b[STEP + first] <= step:  # ends at the latest where the exchange put ``last``
                     first += 1
             last -= 1
 

@@ -146,6 +146,14 @@ def state_at(b, j, row):
     )  # fmt: skip
 
 
+@inlined
+def put_where(here, b, j, row1, row2, numbers):
+    """Put two numbers of a lane into two rows if they are for it, as where it is in their step."""
+    number1, number2 = numbers
+    b[row1 + j] = number1 if here else b[row1 + j]
+    b[row2 + j] = number2 if here else b[row2 + j]
+
+
 def advancing(find_signals, inside, outside):
     """Make the function that moves all lanes by one control period.
 
