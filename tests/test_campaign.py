@@ -215,10 +215,11 @@ def test_a_campaign_that_was_killed_goes_on_without_loss_or_repetition(
 
 def test_what_a_kill_leaves_half_written_is_taken_away(again: Path, reference: Path) -> None:
     gone = sorted((again / "trials").iterdir())[4]
+    (again / ".parts").mkdir()
     (again / ".parts" / "1f3a").write_bytes(gone.read_bytes()[:1000])
     gone.unlink()
     assert main(["campaign", "campaign.toml", "--out", "out", "--quiet", "--no-report"]) == 0
-    assert list((again / ".parts").iterdir()) == []
+    assert not (again / ".parts").exists()
     assert bits(again) == bits(reference)
 
 
@@ -245,7 +246,7 @@ def test_a_disk_that_fills_is_one_sentence_and_the_rows_stay(
         error = refused(capsys, "campaign", "campaign.toml", "--out", "out")
     assert "cannot write to out: No space left on device; the rows of" in error
     assert "make room, and the same command goes on" in error
-    assert list(Path("out/.parts").iterdir()) == []
+    assert not Path("out/.parts").exists()
     assert len(names_in("out/trials")) > 0
     run_campaign(read_campaign(Path("campaign.toml")), Path("out"))
     assert bits(Path("out")) == bits(reference)

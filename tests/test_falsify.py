@@ -208,6 +208,23 @@ def test_ctrl_c_keeps_the_worst_so_far(here, monkeypatch, capsys):
     read_scenario(here / "falsified.toml")
 
 
+def test_json_says_what_the_table_says(here, capsys):
+    (here / "scenario.toml").write_text(to_toml(scenario()))
+    words = ["falsify", "scenario.toml", "--runs", "64", "--json"]
+    assert main([*words, "--set", "run.duration=2"]) == 1
+    broken = json.loads(capsys.readouterr().out)
+    time = next(one for one in broken["numbers"] if one["number"] == "total_time")
+    assert (time["bound"], time["worst"], time["exceeded"]) == (2.0, None, True)
+    assert broken["written"]["replay"]["same"]
+    assert read_scenario(Path(broken["written"]["scenario"])).law == "corrected"
+    assert main([*words, "--out", "other.toml"]) == 0
+    kept = json.loads(capsys.readouterr().out)
+    assert not any(one["exceeded"] for one in kept["numbers"])
+    time = next(one for one in kept["numbers"] if one["number"] == "total_time")
+    assert 0.0 < time["worst"] <= time["bound"] == 9.0
+    assert kept["written"]["replay"]["size"] == pytest.approx(time["worst"], abs=0.011)
+
+
 def test_time_ends_a_search(here, capsys):
     (here / "scenario.toml").write_text(to_toml(scenario()))
     assert main(["falsify", "scenario.toml", "--seconds", "0.01"]) == 0

@@ -141,7 +141,7 @@ def open_directory(path: Path, plain: dict[str, Any]) -> Iterator[CampaignDirect
     """
     try:
         _check_ours(path)
-        (path / PARTS).mkdir(parents=True, exist_ok=True)
+        path.mkdir(parents=True, exist_ok=True)
         lock = (path / LOCK).open("ab")
     except OSError as error:
         raise _unwritable(path, error) from error
@@ -151,6 +151,7 @@ def open_directory(path: Path, plain: dict[str, Any]) -> Iterator[CampaignDirect
         if record is not None:
             _check_same(path, record, plain)
         try:
+            (path / PARTS).mkdir(exist_ok=True)
             for part in (path / PARTS).iterdir():  # of a process that was killed
                 part.unlink()
             (path / TRIALS).mkdir(exist_ok=True)
@@ -170,7 +171,11 @@ def open_directory(path: Path, plain: dict[str, Any]) -> Iterator[CampaignDirect
             )
         if record is None or record["trials"] != plain["trials"]:
             opened.note(finished=False)
-        yield opened
+        try:
+            yield opened
+        finally:
+            with contextlib.suppress(OSError):  # there are only whole files now
+                (path / PARTS).rmdir()
 
 
 def digest_of(plain: dict[str, Any]) -> str:

@@ -1,5 +1,6 @@
 """``parkproof falsify``: search for the run that breaks a claim."""
 
+import json
 import math
 from pathlib import Path
 from typing import Annotated
@@ -21,6 +22,7 @@ def falsify(
     settings: Annotated[list[str] | None, Parameter(name="--set")] = None,
     overwrite: bool = False,
     quiet: bool = False,
+    as_json: Annotated[bool, Parameter(name="--json")] = False,
 ) -> int:
     """Search for the run that breaks a claim, or comes nearest to a bound.
 
@@ -55,6 +57,8 @@ def falsify(
         Replace the file written if there is one.
     quiet : bool
         Show neither progress nor the table.
+    as_json : bool
+        Print what was found as JSON instead of the table.
 
     Returns
     -------
@@ -74,8 +78,8 @@ def falsify(
     parkproof.errors.InputError: --runs 0: must be from 1 to ...
     """
     from parkproof.cli.campaign import processors
-    from parkproof.cli.console import progress, stdout_console
-    from parkproof.cli.falsify_table import nearest, print_falsification, print_replay
+    from parkproof.cli.console import progress, stdout_console, write
+    from parkproof.cli.falsify_table import nearest, print_falsification, print_replay, record_of
     from parkproof.cli.files import check_target, write_file
     from parkproof.errors import InputError
     from parkproof.extras import require
@@ -125,7 +129,10 @@ def falsify(
                 replay = replayed(worst)
             except KeyboardInterrupt:
                 interrupted = True
-    if not quiet:
+    if as_json:
+        record = record_of(found, target, again, worst, replay, out)
+        write(json.dumps({"file": str(file), "seed": seed, **record}, indent=2) + "\n")
+    elif not quiet:
         console = stdout_console()
         print_falsification(console, found, target, again)
         print_replay(console, worst, replay, out)

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from parkproof.falsification.claims import TIME, word
 from parkproof.falsification.confirm import FINER, Replayed
@@ -97,6 +97,72 @@ def _sentence(one: Worst, again: float, *, proved: bool) -> str:
         f"Note: {said}; sampled every {period:g} s the same run comes to {again:.6g}: the proof is "
         "of continuous time, and this is what sampling adds."
     )
+
+
+def record_of(
+    found: Falsification,
+    target: "Target",
+    again: Sequence[float],
+    worst: Worst,
+    replay: Replayed | None,
+    out: Path,
+) -> dict[str, Any]:
+    """Make of a search what ``--json`` prints; None where there is no such number.
+
+    Parameters
+    ----------
+    found : Falsification
+        What the search found.
+    target : Target
+        What it was for.
+    again : sequence of float
+        For each number that is exceeded, what finer sampling made of it.
+    worst : Worst
+        The run that was written.
+    replay : Replayed or None
+        The same run by the plain reference.
+    out : Path
+        Its scenario.
+
+    Returns
+    -------
+    dict
+        Numbers, texts, lists and dicts.
+    """
+    broken = [one for one in found.worst if one.broken]
+    # samples of a scenario's claims are what is claimed; finer ones are for proofs
+    finer = dict(zip(map(id, broken), again, strict=True)) if target.proved else {}
+    return {
+        "proved": target.proved,
+        "runs": found.runs,
+        "interrupted": found.interrupted,
+        "numbers": [
+            {
+                "number": word(one.claim),
+                "bound": _finite(one.claim.bound),
+                "worst": _finite(one.size),
+                "outcome": one.outcome.value,
+                "exceeded": one.broken,
+                "sampled_finely": _finite(finer.get(id(one), math.nan)),
+            }
+            for one in found.worst
+        ],
+        "written": {
+            "number": word(worst.claim),
+            "scenario": str(out),
+            "replay": replay
+            and {
+                "outcome": replay.outcome.value,
+                "size": _finite(replay.size),
+                "same": replay.same,
+            },
+        },
+    }
+
+
+def _finite(number: float) -> float | None:
+    """The number, or None for one that JSON has not."""
+    return float(number) if math.isfinite(number) else None
 
 
 def print_replay(console: "Console", worst: Worst, replay: Replayed | None, out: Path) -> None:
