@@ -11,23 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from parkproof.errors import InputError
-from parkproof.laws.parameters import law_parameters
 from parkproof.scenario import Scenario
 from parkproof.simulation.gpu.launch import carry_out_on_gpu
+from parkproof.simulation.lane_results import results_of
 from parkproof.simulation.lanes.buffer import (
     BLOCK,
-    LEFT_CHART,
     RESULTS,
-    Clock,
     KernelKind,
-    LaneLimits,
-    Sensing,
     Shared,
 )
-from parkproof.simulation.metrics import RESIDUAL_WINDOW, STATE_NAMES
-from parkproof.simulation.outcome import Outcome
 from parkproof.simulation.precision import check_precision, check_singles
-from parkproof.simulation.run import HOLD, integration_steps
+from parkproof.simulation.run import integration_steps
+from parkproof.simulation.shared import kind_of, shared_of
+from parkproof.simulation.traced import traced_run
 from parkproof.simulation.trials import Precision, Trials, trials_of
 
 Floats = NDArray[np.float64]
@@ -53,6 +49,7 @@ def simulate_ensemble(
     threads: int = 1,
     device: Device = "cpu",
     precision: Precision = "double",
+    runs: Sequence[int] = (),
 ) -> dict[str, Any]:
     """Carry out many runs in compiled lanes.
 
@@ -70,6 +67,9 @@ def simulate_ensemble(
         Singles take two thirds to three quarters of the time. They are for statistics: settling
         times of some trials are some periods off (docs/numerics.md says how many). On this
         computer's processor only.
+    runs : sequence of int
+        Numbers of the trials whose every sample is wanted, from 0; each takes some tenths of a
+        second more, and the first some seconds, to compile. On this computer's processor only.
 
     Returns
     -------
@@ -80,13 +80,14 @@ def simulate_ensemble(
         ``total_variation_tau2``, ``excursion``, ``path_length``, ``ended``, the largest magnitudes
         ``max_x0`` … ``max_u1`` (x2, u0 and u1 outside Step 0 only), ``max_speed``,
         ``max_turn_rate`` and ``max_heading`` (|θ|), the range ``least_x0``, ``largest_x0``, and
-        the final state ``x0`` … ``u1`` (or x, y, θ, v, ω where a trial ended turning).
+        the final state ``x0`` … ``u1`` (or x, y, θ, v, ω where a trial ended turning). With
+        ``runs``, also ``run``: the `Run` of each of those trials, None for the others.
 
     Raises
     ------
     InputError
-        If there are no trials, or they differ in more than that, or there is no such device or
-        precision, or not for these numbers.
+        If there are no trials, or they differ in more than that, or there is no such device,
+        precision or trial, or not for these numbers.
 
     Examples
     --------
@@ -105,9 +106,32 @@ def simulate_ensemble(
             "the trials of an ensemble differ in more than start and truth, camera and run.seed: "
             "run an ensemble for each law, gains, bounds and run settings"
         )
-    return simulate_trials(
+    _check_runs(runs, len(scenarios), device)
+    results = simulate_trials(
         first, trials_of(scenarios), threads=threads, device=device, precision=precision
     )
+    if len(runs):
+        results["run"] = np.full(len(scenarios), None, dtype=object)
+    for i in runs:
+        results["run"][i] = traced_run(
+            scenarios[i],
+            outcome=results["outcome"][i],
+            ended=float(results["ended"][i]),
+            precision=precision,
+        )
+    return results
+
+
+def _check_runs(runs: Sequence[int], count: int, device: Device) -> None:
+    """Raise if every sample is wanted of a trial that there is not, or from another processor."""
+    wrong = next((i for i in runs if not 0 <= i < count), None)
+    if wrong is not None:
+        raise InputError(
+            f"runs = [{wrong}]: must be numbers of trials, from 0 to {count - 1}; write for "
+            "example runs=[0]"
+        )
+    if len(runs) and device != "cpu":
+        raise InputError(f'runs with device = "{device}": write device="cpu", or leave runs out')
 
 
 def simulate_trials(
@@ -155,49 +179,25 @@ def simulate_trials(
     if device not in get_args(Device):
         raise InputError(f'device = "{device}": there is no such device; write "cpu" or "cuda"')
     check_precision(precision, device)
-    run, limits = scenario.run, scenario.limits
-    sensing = Sensing(run.delay_samples, run.deviations)
-    p = law_parameters(
-        bounds=scenario.bounds,
-        gains=scenario.gains,
-        switching=scenario.switching,
-        control_period=run.control_period,
-        discretisation=run.discretisation,
-        saturation=limits.saturation,
-    )
-    end = run.samples * run.control_period
-    clock = Clock(run.control_period, run.samples, 1, end - RESIDUAL_WINDOW)
-    none = math.inf
-    lane_limits = LaneLimits(
-        *(limits.tau or (none, none)),
-        limits.speed or none,
-        limits.turn_rate or none,
-        *(limits.view or (-none, none, -none, none)),
-    )
+    run = scenario.run
     if precision == "single":
-        check_singles((p, clock, lane_limits, sensing), trials)
+        check_singles(shared_of(scenario, plant_steps=1), trials)
     out = np.empty((len(RESULTS), len(trials)))
     smooth, jumping = (integration_steps(run, jumps=jumps) for jumps in (False, True))
     sizes = np.where(trials.jump, jumping, smooth)
-    kind: KernelKind = {
-        "law_name": scenario.law,
-        "implicit": run.discretisation == "implicit",
-        "exact": sensing.exact,
-        "robot": scenario.robot.kind,
-        "camera": trials.have_cameras,
-    }
+    kind = kind_of(scenario, camera=trials.have_cameras)
     # signals that jump ask for smaller steps: lanes of one block share theirs
     for size in sorted({smooth, jumping}):
         alike = np.flatnonzero(sizes == size)
         if alike.size:
-            shared = (p, clock._replace(plant_steps=size), lane_limits, sensing)
+            shared = shared_of(scenario, plant_steps=size)
             some = trials if alike.size == len(trials) else trials.some(alike)
             out[:, alike] = (
                 carry_out_on_gpu(shared, some, **kind)
                 if device == "cuda"
                 else _carry_out(shared, some, threads, single=precision == "single", **kind)
             )
-    return _results(dict(zip(RESULTS, out, strict=True)), scenario, clock)
+    return results_of(dict(zip(RESULTS, out, strict=True)), scenario)
 
 
 def _carry_out(
@@ -240,66 +240,3 @@ def _side_by_side(trials: Trials) -> NDArray[np.intp]:
 
 OFTEN_TURNED = math.radians(80.0)
 """Headings beyond this are turned first, unless a scenario sets another limit of the chart."""
-
-_ENDS = np.array(
-    [
-        None,  # a trial that ran to its end, whose last step and pose then decide
-        Outcome.DIVERGED,
-        Outcome.OUT_OF_VIEW,
-        Outcome.LEFT_CHART,
-        Outcome.INPUT_LIMIT,
-        Outcome.SPEED_LIMIT,
-        Outcome.PARKED,
-        Outcome.MISSED,
-        Outcome.STILL_MOVING,
-    ],
-    dtype=object,
-)
-_PARKED, _MISSED, _STILL_MOVING = 6, 7, 8
-
-_TIMES = ("ended_at", "end0", "end1", "end2", "end3")
-
-
-def _results(rows: dict[str, Floats], scenario: Scenario, clock: Clock) -> dict[str, Any]:
-    """Outcomes and metrics from the kernel's rows."""
-    _, across, along = scenario.switching.tolerance
-    factor = scenario.switching.hysteresis
-    finished = rows["step"] == HOLD
-    inside = (
-        (rows["held0"] <= factor * along)
-        & (rows["held1"] <= factor * across)
-        & (rows["held2"] <= factor * across)
-    )
-    early = rows["ended"] > 0
-    at_the_end = np.where(finished, np.where(inside, _PARKED, _MISSED), _STILL_MOVING)
-    outcome = _ENDS[np.where(early, rows["ended"], at_the_end).astype(int)]
-    # a time in single precision is that of the nearest sample
-    times = {name: np.round(rows[name] / clock.period) * clock.period for name in _TIMES}
-    elapsed = np.where(early, times["ended_at"], clock.samples * clock.period)
-    # a trial that could not go on from a sample was not recorded there; one over a limit was
-    unrecorded = early & (rows["ended"] <= LEFT_CHART)
-    samples = np.maximum(np.round(elapsed / clock.period) + np.where(unrecorded, 0, 1), 1)
-    ends = {name: np.where(rows[name] < 0, np.nan, times[name]) for name in _TIMES[1:]}
-    residual = np.maximum.reduce([rows["residual0"], rows["residual1"], rows["residual2"]])
-    recorded = np.maximum(samples - 1, 1) * clock.period
-    variation = {i: rows[f"variation{i}"] / recorded for i in (1, 2)}
-    return {
-        "outcome": outcome,
-        "total": np.where(outcome == Outcome.PARKED, ends["end3"], np.nan),
-        **ends,
-        "returns": rows["returns"].astype(int),
-        "ended": elapsed,
-        "residual": np.where(early, np.nan, residual),
-        **{f"peak_tau{i}": rows[f"peak{i}"] for i in (1, 2)},
-        **{f"rms_tau{i}": np.sqrt(rows[f"square{i}"] / samples) for i in (1, 2)},
-        **{f"total_variation_tau{i}": variation[i] for i in (1, 2)},
-        "excursion": np.sqrt(rows["excursion2"]),
-        "path_length": rows["path"],
-        **{f"max_{name}": rows[f"max{i}"] for i, name in enumerate(STATE_NAMES)},
-        "max_speed": rows["speed"],
-        "max_turn_rate": rows["turn_rate"],
-        "max_heading": np.maximum(np.arctan(rows["max2"]), rows["heading"]),
-        "least_x0": rows["low0"],
-        "largest_x0": rows["high0"],
-        **{name: rows[f"s{i}"] for i, name in enumerate(STATE_NAMES)},
-    }

@@ -154,18 +154,7 @@ def simulate(scenario: Scenario, *, progress: Callable[[float], None] | None = N
         robot=scenario.robot.kind,
         saturation=scenario.limits.saturation,
     )
-    plant = Plant(
-        robot=scenario.robot.kind,
-        channels=(
-            channel(0, scenario.truth, scenario.bounds),
-            channel(1, scenario.truth, scenario.bounds),
-        ),
-        camera=None if scenario.camera is None else scenario.camera.view.from_goal.entries,
-        scales=scales(scenario.truth, scenario.bounds),
-        pose=scenario.start_pose,
-        velocity=scenario.start_velocity,
-        chained=scenario.start.chained,
-    )
+    plant = plant_of(scenario)
     controller.hold_velocity(*scenario.start_velocity)
     recorder, sensor = Recorder(scenario), Sensor(scenario.run)
     h, n, steps = scenario.run.control_period, scenario.run.samples, plant_steps(scenario)
@@ -195,6 +184,39 @@ def simulate(scenario: Scenario, *, progress: Callable[[float], None] | None = N
         if progress is not None and k % report_every == 0:
             progress(k / n)
     return recorder.finish(None, n * h)
+
+
+def plant_of(scenario: Scenario) -> Plant:
+    """Make the plant of a run, at its start.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What is to be run.
+
+    Returns
+    -------
+    Plant
+        At time 0.
+
+    Examples
+    --------
+    >>> from parkproof.scenario import Start
+    >>> plant_of(Scenario(law="corrected", start=Start(pose=(-1.0, 0.1, 0.0)))).measurement(0.0).x0
+    -1.0
+    """
+    return Plant(
+        robot=scenario.robot.kind,
+        channels=(
+            channel(0, scenario.truth, scenario.bounds),
+            channel(1, scenario.truth, scenario.bounds),
+        ),
+        camera=None if scenario.camera is None else scenario.camera.view.from_goal.entries,
+        scales=scales(scenario.truth, scenario.bounds),
+        pose=scenario.start_pose,
+        velocity=scenario.start_velocity,
+        chained=scenario.start.chained,
+    )
 
 
 class Recorder:

@@ -45,7 +45,9 @@ def device_kernel(
     """
     lane, buffer = one_lane("kernel"), one_lane("buffer")
     carry_out = inlined(
-        lane.trials_of_a_block(law_name, implicit, exact, robot, camera, False, as_they_are)
+        lane.trials_of_a_block(
+            law_name, implicit=implicit, exact=exact, robot=robot, camera=camera, held=as_they_are
+        )
     )
     rows, steps, signals = len(buffer.ROWS), lane.STEPS, buffer.SIGNALS
     s0, chart, step, way, before = buffer.S0, buffer.CHART, buffer.STEP, buffer.WAY, buffer.BEFORE
@@ -76,10 +78,11 @@ def device_kernel(
             b[ended_at], b[turn_square] = -1.0, 1.0
             for row in range(4 * signals):
                 b[mean + row] = means[row % signals, i]
+            trace = cuda.local.array((1, 1, 1), float64)  # nothing is kept in it
             here = slice(i, i + 1)
             carry_out(
                 p, clock, limits, sensing, b, ring[:, :, here], counts, groups, tones[:, i], kinds,
-                adversary[:, i], keys[:, here], cameras[:, here], out[:, here],
+                adversary[:, i], keys[:, here], cameras[:, here], out[:, here], trace,
             )  # fmt: skip
 
     return kernel

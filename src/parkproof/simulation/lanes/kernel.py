@@ -68,6 +68,10 @@ from .order import arrange, find_steps
 from .parts import parts_of
 from .plant import push, state_at
 from .sensor import end_unseen, is_misled, is_unseen
+from .trace import TRACED, no_trace, trace_lanes
+
+NO_TRACE = np.empty((len(TRACED), 0, 0))
+"""Room for no samples."""
 
 
 @cache
@@ -80,6 +84,7 @@ def kernel_of(
     camera: bool = False,
     single: bool = False,
     euler: bool = False,
+    traced: bool = False,
 ) -> Callable[..., Any]:
     """Give the kernel of a law in one form, compiled when first called, once a process.
 
@@ -100,26 +105,33 @@ def kernel_of(
     euler : bool
         Whether to integrate by Euler's method, as what lanes are compared with does; for robots of
         kind "chained" under the paper's camera.
+    traced : bool
+        Whether to keep every sample, too.
 
     Returns
     -------
     callable
         ``kernel(p, clock, limits, sensing, state, in_chart, scale_mean, scale_tones, mean, tones,
-        adversary, keys, camera, out)``: carries out the trials of one block of `BLOCK` lanes, from
-        arrays whose last axis is the lane, and writes the rows `RESULTS` into ``out``. Of the
-        arrays it changes ``out`` alone. It releases the interpreter lock.
+        adversary, keys, camera, out, trace)``: carries out the trials of one block of `BLOCK`
+        lanes, from arrays whose last axis is the lane, and writes the rows `RESULTS` into ``out``
+        and, if it is ``traced``, the samples of the first trials into ``trace``
+        (`parkproof.simulation.lanes.trace`). It changes no other array. It releases the interpreter
+        lock.
 
     Examples
     --------
     >>> callable(kernel_of("corrected", implicit=False))
     True
     """
-    kernel = _compiled(law_name, implicit, exact, robot, camera, euler)
+    kernel = _compiled(
+        law_name, implicit=implicit, exact=exact, robot=robot, camera=camera, euler=euler,
+        traced=traced,
+    )  # fmt: skip
     number: type[np.floating[Any]] = np.float32 if single else np.float64
 
     def block(
         p, clock, limits, sensing, state, in_chart, scale_mean, scale_tones, mean, tones,
-        adversary, keys, cameras, out,
+        adversary, keys, cameras, out, trace=NO_TRACE,
     ):  # fmt: skip
         b, all_of = first_buffer(state, in_chart, mean, scale_mean), all_tones(tones, scale_tones)
         ring = np.empty((1 if exact else sensing.delay + 1, 6, BLOCK), number)
@@ -130,35 +142,34 @@ def kernel_of(
             numbers, clock, LaneLimits(*map(number, limits)),
             sensing._replace(deviations=deviations), Buffer(b, single=single), ring, counts, groups,
             Buffer(all_of, single=single), kinds_of(all_of), Buffer(adversary, single=single),
-            keys.copy(), cameras.astype(number), out,
+            keys.copy(), cameras.astype(number), out, trace,
         )  # fmt: skip
 
     return block
 
 
 @cache
-def _compiled(
-    law_name: str, implicit: bool, exact: bool, robot: RobotKind, camera: bool, euler: bool
-) -> Callable[..., Any]:
-    carry_out = trials_of_a_block(law_name, implicit, exact, robot, camera, euler, on_the_stack)
-    name = f"{law_name} {implicit=} {exact=} {robot} {camera=} {euler=}"
-    return keep(numba.njit(carry_out, **KERNEL), name)
+def _compiled(law_name: str, **kind: Any) -> Callable[..., Any]:
+    carry_out = trials_of_a_block(law_name, held=on_the_stack, **kind)
+    return keep(numba.njit(carry_out, **KERNEL), f"{law_name} {kind}")
 
 
 def trials_of_a_block(
     law_name: str,
+    *,
     implicit: bool,
     exact: bool,
     robot: RobotKind,
     camera: bool,
-    euler: bool,
+    euler: bool = False,
+    traced: bool = False,
     held: Callable[..., Any],
 ) -> Callable[..., Any]:
     """Put together what carries out the trials of one block, to be compiled as a kernel.
 
     Parameters
     ----------
-    law_name, implicit, exact, robot, camera, euler
+    law_name, implicit, exact, robot, camera, euler, traced
         See `kernel_of`.
     held : callable
         Makes of a law's parameters what a kernel best keeps them as.
@@ -170,7 +181,8 @@ def trials_of_a_block(
 
     Examples
     --------
-    >>> callable(trials_of_a_block("corrected", False, True, "chained", False, False, tuple))
+    >>> callable(trials_of_a_block("corrected", implicit=False, exact=True, robot="chained",
+    ...                            camera=False, held=tuple))
     True
     """
     register()
@@ -187,6 +199,7 @@ def trials_of_a_block(
     begin, look, pose, settle, pictured, gain, act, go, idle = parts_of(
         robot, camera=camera, exact=exact, euler=euler
     )
+    keep_samples = trace_lanes if traced else no_trace
 
     @inlined
     def switch_from(b, step, count, firsts, t, cameras, limits, p):
@@ -250,7 +263,7 @@ def trials_of_a_block(
 
     def carry_out(
         p, clock, limits, sensing, b, ring, counts, groups, tones, kinds, adversary, keys, cameras,
-        out,
+        out, trace,
     ):  # fmt: skip
         p = held(p)
         limited = min(limits.tau1, limits.tau2, limits.speed, limits.turn_rate) < math.inf
@@ -288,6 +301,7 @@ def trials_of_a_block(
             # robots of their own kind can be seen beyond ±90° in any step
             heading = robot != "chained" or counts[0] > 0
             measure(b, t >= clock.residual_from, counts[4] > 0, heading, gain)
+            keep_samples(b, trace, k, gain)
             ended = end_beyond_limits(b, limits, gain) if limited else 0
             last = k == clock.samples
             if ended > 0 or last:
