@@ -41,6 +41,7 @@ from .buffer import (
     SURFACE,
     WAY,
 )
+from .memory import put_if
 from .plant import put_where, state_at
 
 
@@ -49,13 +50,13 @@ def put(b, j, here, channel, u, phi, kappa):
     """Write a channel's law and where its search begins into rows from one on."""
     gain, power, offset, outer = channel
     surface, side, distance = implicit_surface(u, power, offset, kappa * phi)
-    b[SIZE + j] = kappa * gain if here else b[SIZE + j]
-    b[POWER + j] = power if here else b[POWER + j]
-    b[OFFSET + j] = offset if here else b[OFFSET + j]
-    b[OUTER + j] = outer if here else b[OUTER + j]
-    b[SURFACE + j] = surface if here else b[SURFACE + j]
-    b[SIDE + j] = side if here else b[SIDE + j]
-    b[DISTANCE + j] = distance if here else b[DISTANCE + j]
+    put_if(b, SIZE + j, here, kappa * gain)
+    put_if(b, POWER + j, here, power)
+    put_if(b, OFFSET + j, here, offset)
+    put_if(b, OUTER + j, here, outer)
+    put_if(b, SURFACE + j, here, surface)
+    put_if(b, SIDE + j, here, side)
+    put_if(b, DISTANCE + j, here, distance)
 
 
 @inlined
@@ -98,12 +99,12 @@ def look(b, j):
 def note(b, j, here, search):
     """Keep a search that has got further."""
     low, high, at_low, at_high, last, at = search
-    b[LOW + j] = low if here else b[LOW + j]
-    b[HIGH + j] = high if here else b[HIGH + j]
-    b[AT_LOW + j] = at_low if here else b[AT_LOW + j]
-    b[AT_HIGH + j] = at_high if here else b[AT_HIGH + j]
-    b[LAST + j] = last if here else b[LAST + j]
-    b[AT + j] = at if here else b[AT + j]
+    put_if(b, LOW + j, here, low)
+    put_if(b, HIGH + j, here, high)
+    put_if(b, AT_LOW + j, here, at_low)
+    put_if(b, AT_HIGH + j, here, at_high)
+    put_if(b, LAST + j, here, last)
+    put_if(b, AT + j, here, at)
 
 
 @inlined

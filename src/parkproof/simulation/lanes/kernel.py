@@ -55,7 +55,7 @@ from .buffer import (
 )
 from .first import all_tones, first_buffer, kinds_of, with_times_below
 from .kept import keep
-from .memory import Buffer, Parameters, on_the_stack
+from .memory import Buffer, Parameters, on_the_stack, put_if
 from .metrics import (
     end_beyond_limits,
     end_code,
@@ -210,12 +210,12 @@ def trials_of_a_block(
                 x0, x1, x2, u0, u1 = state_at(b, j, seen)
                 after = law_switch(step, b[WAY + j], t, x0, x1, x2, u0, u1, p)
                 here = b[STEP + j] == step
-                b[NEXT + j] = after if here else b[NEXT + j]
+                put_if(b, NEXT + j, here, after)
                 more = after != step or end_code(b, cameras, j, limits, turns, pictured) > 0.0
                 more = more or (must_be_seen and is_unseen(b, j))
                 # in a row: to count here would take a sum across a register for each group
                 noted = 1.0 if more else 0.0
-                b[MORE + j] = noted if here else b[MORE + j]
+                put_if(b, MORE + j, here, noted)
 
     @inlined
     def turning_from(b, count, firsts, cameras, limits, p):
@@ -227,7 +227,7 @@ def trials_of_a_block(
                 more = turned(theta, v, omega, p) or abs(b[S2 + j]) >= math.pi
                 more = more or end_code(b, cameras, j, limits, turns, pictured) > 0.0
                 noted = 1.0 if more else 0.0
-                b[MORE + j] = noted if b[STEP + j] == 0.0 else b[MORE + j]
+                put_if(b, MORE + j, b[STEP + j] == 0.0, noted)
 
     @inlined
     def ask_to_begin(b, j, p):

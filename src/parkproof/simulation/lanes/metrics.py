@@ -62,6 +62,8 @@ from .buffer import (
     VARIATION2,
     WAY,
 )
+from .memory import put_if, raise_to
+from .plant import state_at
 from .sums import add_to
 
 RESULT_ROWS = len(RESULTS)
@@ -97,7 +99,8 @@ def hand_in(b, t, last, out, idle):
 def end_code(b, camera, j, limits, turns, pictured):
     """Why a lane cannot go on from this measurement, or 0."""
     x, y = b[S0 + j], b[S1 + j]
-    x2 = b[S2 + j] if b[CHART + j] == 1.0 else 0.0
+    third = b[S2 + j]
+    x2 = third if b[CHART + j] == 1.0 else 0.0
     square = 1.0 + x2 * x2
     slow = b[S3 + j] * b[S3 + j] * square < 1e12 and abs(b[S4 + j]) < 1e6 * square
     sound = max(abs(x), abs(y)) < 1e6 and slow
@@ -143,48 +146,49 @@ def measure(b, late, holding, turning, gain):
     for j in range(BLOCK):
         tau1, tau2 = b[NEW1 + j], b[NEW2 + j]
         change1, change2 = abs(tau1 - b[TAU1 + j]), abs(tau2 - b[TAU2 + j])
-        b[PEAK1 + j] = max(b[PEAK1 + j], abs(tau1))
-        b[PEAK2 + j] = max(b[PEAK2 + j], abs(tau2))
+        raise_to(b, PEAK1 + j, abs(tau1))
+        raise_to(b, PEAK2 + j, abs(tau2))
         add_to(b, SQUARE1, j, tau1 * tau1)
         add_to(b, SQUARE2, j, tau2 * tau2)
         add_to(b, VARIATION1, j, change1)
         add_to(b, VARIATION2, j, change2)
         b[TAU1 + j], b[TAU2 + j] = tau1, tau2
     for j in range(BLOCK):
-        x, y, u0, u1 = b[S0 + j], b[S1 + j], b[S3 + j], b[S4 + j]
+        x, y, third, u0, u1 = state_at(b, j, S0)
         in_chart = b[CHART + j] == 1.0
-        x2 = b[S2 + j] if in_chart else 0.0
+        x2 = third if in_chart else 0.0
         # apart: `max` of a number that is chosen there and then would be a call of numba's
         size0, size1 = (abs(u0) if in_chart else 0.0), (abs(u1) if in_chart else 0.0)
-        b[EXCURSION2 + j] = max(b[EXCURSION2 + j], x * x + y * y)
-        b[LOW0 + j] = min(b[LOW0 + j], x)
-        b[HIGH0 + j] = max(b[HIGH0 + j], x)
-        b[MAX1 + j] = max(b[MAX1 + j], abs(y))
-        b[MAX2 + j] = max(b[MAX2 + j], abs(x2))
-        b[MAX3 + j] = max(b[MAX3 + j], size0)
-        b[MAX4 + j] = max(b[MAX4 + j], size1)
+        raise_to(b, EXCURSION2 + j, x * x + y * y)
+        put_if(b, LOW0 + j, x < b[LOW0 + j], x)
+        raise_to(b, HIGH0 + j, x)
+        raise_to(b, MAX1 + j, abs(y))
+        raise_to(b, MAX2 + j, abs(x2))
+        raise_to(b, MAX3 + j, size0)
+        raise_to(b, MAX4 + j, size1)
         # no roots and quotients here: speed is kept squared, turn rate as a fraction
         square = 1.0 + x2 * x2
-        b[SPEED + j] = max(b[SPEED + j], u0 * u0 * square)
+        raise_to(b, SPEED + j, u0 * u0 * square)
         per_turn = square * gain(b, j)
         faster = abs(u1) * b[TURN_SQUARE + j] > b[TURN_RATE + j] * per_turn
-        b[TURN_RATE + j] = abs(u1) if faster else b[TURN_RATE + j]
-        b[TURN_SQUARE + j] = per_turn if faster else b[TURN_SQUARE + j]
+        put_if(b, TURN_RATE + j, faster, abs(u1))
+        put_if(b, TURN_SQUARE + j, faster, per_turn)
     # errors; outside the chart |θ| counts for |x2|
     if holding:
         for j in range(BLOCK):
-            b[HELD0 + j] = max(b[HELD0 + j], abs(b[S0 + j]))
-            b[HELD1 + j] = max(b[HELD1 + j], abs(b[S1 + j]))
-            b[HELD2 + j] = max(b[HELD2 + j], abs(b[S2 + j]))
+            raise_to(b, HELD0 + j, abs(b[S0 + j]))
+            raise_to(b, HELD1 + j, abs(b[S1 + j]))
+            raise_to(b, HELD2 + j, abs(b[S2 + j]))
     if late:
         for j in range(BLOCK):
-            b[RESIDUAL0 + j] = max(b[RESIDUAL0 + j], abs(b[S0 + j]))
-            b[RESIDUAL1 + j] = max(b[RESIDUAL1 + j], abs(b[S1 + j]))
-            b[RESIDUAL2 + j] = max(b[RESIDUAL2 + j], abs(b[S2 + j]))
+            raise_to(b, RESIDUAL0 + j, abs(b[S0 + j]))
+            raise_to(b, RESIDUAL1 + j, abs(b[S1 + j]))
+            raise_to(b, RESIDUAL2 + j, abs(b[S2 + j]))
     if turning:
         for j in range(BLOCK):
-            theta = 0.0 if b[CHART + j] == 1.0 else abs(b[S2 + j])
-            b[HEADING + j] = max(b[HEADING + j], theta)
+            third = abs(b[S2 + j])
+            theta = 0.0 if b[CHART + j] == 1.0 else third
+            raise_to(b, HEADING + j, theta)
 
 
 @inlined
@@ -192,7 +196,8 @@ def end_beyond_limits(b, limits, gain):
     """Mark lanes whose input or speed is beyond its limit, and say how many."""
     found = 0
     for j in range(BLOCK):
-        x2 = b[S2 + j] if b[CHART + j] == 1.0 else 0.0
+        third = b[S2 + j]
+        x2 = third if b[CHART + j] == 1.0 else 0.0
         square = 1.0 + x2 * x2
         fast = abs(b[S3 + j]) * math.sqrt(square) > limits.speed
         turns_fast = abs(b[S4 + j]) / (square * gain(b, j)) > limits.turn_rate

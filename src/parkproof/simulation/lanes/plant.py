@@ -42,7 +42,7 @@ from .buffer import (
     TAU1,
     TAU2,
 )
-from .memory import like
+from .memory import like, put_if
 from .sums import add_to
 
 
@@ -150,8 +150,8 @@ def state_at(b, j, row):
 def put_where(here, b, j, row1, row2, numbers):
     """Put two numbers of a lane into two rows if they are for it, as where it is in their step."""
     number1, number2 = numbers
-    b[row1 + j] = number1 if here else b[row1 + j]
-    b[row2 + j] = number2 if here else b[row2 + j]
+    put_if(b, row1 + j, here, number1)
+    put_if(b, row2 + j, here, number2)
 
 
 def advancing(find_signals, inside, outside):
@@ -180,9 +180,9 @@ def advancing(find_signals, inside, outside):
                 if turning:
                     for j in range(BLOCK):
                         out = b[CHART + j] == 0.0
-                        b[LENGTH + j] = b[KEPT_LENGTH + j] if out else b[LENGTH + j]
+                        put_if(b, LENGTH + j, out, b[KEPT_LENGTH + j])
                         for row in range(0, 5 * BLOCK, BLOCK):
-                            b[S0 + row + j] = b[KEPT0 + row + j] if out else b[S0 + row + j]
+                            put_if(b, S0 + row + j, out, b[KEPT0 + row + j])
                 for j in range(BLOCK):
                     add_to(b, PATH, j, b[LENGTH + j])
 

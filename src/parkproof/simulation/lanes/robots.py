@@ -179,8 +179,13 @@ def measured_turn(b, j):
 def kept_turn(b, j):
     """Heading, and speed and turn rate as sent, of a velocity-commanded robot that turns."""
     charted = b[KEPT_CHART + j] > 0.0  # u0, u1 kept there say nothing of v and ω near ±90°
-    v = b[KEPT_V + j] if charted else b[RAW3 + j]
-    return b[RAW2 + j], v, b[KEPT_OMEGA + j] if charted else b[RAW4 + j]
+    kept_v, kept_omega, raw_v, raw_omega = (
+        b[KEPT_V + j],
+        b[KEPT_OMEGA + j],
+        b[RAW3 + j],
+        b[RAW4 + j],
+    )
+    return b[RAW2 + j], kept_v if charted else raw_v, kept_omega if charted else raw_omega
 
 
 # ----------------------------------------------------------------------------- what is done
