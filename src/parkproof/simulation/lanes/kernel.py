@@ -57,8 +57,8 @@ from .first import all_tones, first_buffer, kinds_of, with_times_below
 from .kept import keep
 from .memory import Buffer, Parameters, on_the_stack, put_if
 from .metrics import (
+    can_go_on,
     end_beyond_limits,
-    end_code,
     hand_in,
     mark_ends,
     measure,
@@ -211,11 +211,10 @@ def trials_of_a_block(
                 after = law_switch(step, b[WAY + j], t, x0, x1, x2, u0, u1, p)
                 here = b[STEP + j] == step
                 put_if(b, NEXT + j, here, after)
-                more = after != step or end_code(b, cameras, j, limits, turns, pictured) > 0.0
-                more = more or (must_be_seen and is_unseen(b, j))
+                same = after == step and can_go_on(b, cameras, j, limits, turns, pictured)
+                same = same and not (must_be_seen and is_unseen(b, j))
                 # in a row: to count here would take a sum across a register for each group
-                noted = 1.0 if more else 0.0
-                put_if(b, MORE + j, here, noted)
+                put_if(b, MORE + j, here, 0.0 if same else 1.0)
 
     @inlined
     def turning_from(b, count, firsts, cameras, limits, p):
@@ -225,9 +224,8 @@ def trials_of_a_block(
             for j in range(first, first + GROUP):
                 theta, v, omega = pose(b, j)
                 more = turned(theta, v, omega, p) or abs(b[S2 + j]) >= math.pi
-                more = more or end_code(b, cameras, j, limits, turns, pictured) > 0.0
-                noted = 1.0 if more else 0.0
-                put_if(b, MORE + j, b[STEP + j] == 0.0, noted)
+                more = more or not can_go_on(b, cameras, j, limits, turns, pictured)
+                put_if(b, MORE + j, b[STEP + j] == 0.0, 1.0 if more else 0.0)
 
     @inlined
     def ask_to_begin(b, j, p):

@@ -96,19 +96,30 @@ def hand_in(b, t, last, out, idle):
 
 
 @inlined
-def end_code(b, camera, j, limits, turns, pictured):
-    """Why a lane cannot go on from this measurement, or 0."""
-    x, y = b[S0 + j], b[S1 + j]
-    third = b[S2 + j]
+def state_of_health(b, camera, j, limits, turns, pictured):
+    """Whether a lane's numbers are sound, it is in view, and it is in the chart if it has to be."""
+    x, y, third, fourth, fifth = state_at(b, j, S0)
     x2 = third if b[CHART + j] == 1.0 else 0.0
     square = 1.0 + x2 * x2
-    slow = b[S3 + j] * b[S3 + j] * square < 1e12 and abs(b[S4 + j]) < 1e6 * square
+    slow = fourth * fourth * square < 1e12 and abs(fifth) < 1e6 * square
     sound = max(abs(x), abs(y)) < 1e6 and slow
-    inside = pictured(camera, j, x, y)
-    seen = x >= limits.x_min and x <= limits.x_max and y >= limits.y_min and y <= limits.y_max
-    charted = turns or abs(x2) < 1e6
+    inside = x >= limits.x_min and x <= limits.x_max and y >= limits.y_min and y <= limits.y_max
+    return sound, inside and pictured(camera, j, x, y), turns or abs(x2) < 1e6
+
+
+@inlined
+def can_go_on(b, camera, j, limits, turns, pictured):
+    """Whether a lane can go on from this measurement."""
+    sound, seen, charted = state_of_health(b, camera, j, limits, turns, pictured)
+    return sound and seen and charted
+
+
+@inlined
+def end_code(b, camera, j, limits, turns, pictured):
+    """Why a lane cannot go on from this measurement, or 0."""
+    sound, seen, charted = state_of_health(b, camera, j, limits, turns, pictured)
     code = 0.0 if charted else LEFT_CHART
-    return DIVERGED if not sound else (code if seen and inside else OUT_OF_VIEW)
+    return DIVERGED if not sound else (code if seen else OUT_OF_VIEW)
 
 
 @inlined
