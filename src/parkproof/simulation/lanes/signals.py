@@ -31,6 +31,7 @@ from .buffer import (
     TURN_SINE,
     UNUSED,
 )
+from .memory import put_if
 
 RENEWED = 32
 """Integration steps after which waves are worked out anew."""
@@ -84,7 +85,8 @@ def add(b, tones, i, m, tone, squares, t):
     """Add what a tone is at a time to the signals at a step's end."""
     row = i * BLOCK
     for j in range(BLOCK):
-        before = b[MEAN + row + j] if m == 0 else b[END + row + j]
+        mean, before = b[MEAN + row + j], b[END + row + j]
+        before = mean if m == 0 else before
         b[END + row + j] = before + value_of(tones, tone + j, tones[tone + SINE + j], squares, t)
 
 
@@ -110,11 +112,10 @@ def go_on(b, tones, i, m, tone, squares, middle, end):
         s, c = rotated(tones[SINE + k], tones[COSINE + k], turn_s, turn_c)
         s_end, c_end = rotated(s, c, turn_s, turn_c)
         tones[SINE + k], tones[COSINE + k] = s_end, c_end
-        if m == 0:
-            b[START + row + j] = b[END + row + j]
-        before = b[MEAN + row + j]
-        at_middle = before if m == 0 else b[MIDDLE + row + j]
-        at_end = before if m == 0 else b[END + row + j]
+        mean, at_middle, at_end = b[MEAN + row + j], b[MIDDLE + row + j], b[END + row + j]
+        put_if(b, START + row + j, m == 0, at_end)
+        at_middle = mean if m == 0 else at_middle
+        at_end = mean if m == 0 else at_end
         b[MIDDLE + row + j] = at_middle + value_of(tones, k, s, squares, middle)
         b[END + row + j] = at_end + value_of(tones, k, s_end, squares, end)
 
@@ -151,7 +152,8 @@ def start_and_go_on(b, tones, i, m, tone, squares, start):
     for j in range(BLOCK):
         k = tone + j
         s, c = tones[SINE + k], tones[COSINE + k]
-        before = b[MEAN + row + j] if m == 0 else b[START + row + j]
+        mean, before = b[MEAN + row + j], b[START + row + j]
+        before = mean if m == 0 else before
         b[START + row + j] = before + value_of(tones, k, s, squares, start)
         tones[SINE + k], tones[COSINE + k] = rotated(
             s, c, tones[TURN_SINE + k], tones[TURN_COSINE + k]
