@@ -41,8 +41,8 @@ from .buffer import (
     SURFACE,
     WAY,
 )
-from .memory import put_if
 from .plant import put_where, state_at
+from .updates import put_if
 
 
 @inlined

@@ -55,7 +55,7 @@ from .buffer import (
 )
 from .first import all_tones, first_buffer, kinds_of, with_times_below
 from .kept import keep
-from .memory import Buffer, Parameters, on_the_stack, put_if
+from .memory import Buffer, Parameters, on_the_stack
 from .metrics import (
     can_go_on,
     end_beyond_limits,
@@ -69,6 +69,7 @@ from .parts import parts_of
 from .plant import push, state_at
 from .sensor import end_unseen, is_misled, is_unseen
 from .trace import TRACED, no_trace, trace_lanes
+from .updates import put_if
 
 NO_TRACE = np.empty((len(TRACED), 0, 0))
 """Room for no samples."""

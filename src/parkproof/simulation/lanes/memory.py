@@ -82,7 +82,7 @@ class Writing(AbstractTemplate):
         return None
 
 
-def _address(context: Any, builder: Any, kind: Any, address: Any, index: Any) -> Any:
+def address_of(context: Any, builder: Any, kind: Any, address: Any, index: Any) -> Any:
     """Address of a number."""
     number = context.get_value_type(kind.number)
     return builder.gep(builder.bitcast(address, number.as_pointer()), [index], inbounds=True)
@@ -91,83 +91,20 @@ def _address(context: Any, builder: Any, kind: Any, address: Any, index: Any) ->
 @lower_builtin(operator.getitem, BufferType, types.Integer)
 def read(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     """Load a number of a buffer."""
-    return builder.load(_address(context, builder, sig.args[0], *args))
+    return builder.load(address_of(context, builder, sig.args[0], *args))
 
 
 @lower_builtin(operator.setitem, BufferType, types.Integer, types.Float)
 def write(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     """Store a number in a buffer."""
     buffer, index, number = args
-    builder.store(number, _address(context, builder, sig.args[0], buffer, index))
+    builder.store(number, address_of(context, builder, sig.args[0], buffer, index))
     return context.get_dummy_value()
 
 
 def is_single(kind: Any) -> bool:
     """Whether a type is that of a buffer of singles."""
     return isinstance(kind, BufferType) and bool(kind.number == types.float32)
-
-
-# ------------------------------------------------------------------------ what may be left alone
-
-
-class _Freeze(ir.Instruction):
-    """A number as it is: stands between its load and whatever the compiler would make of that."""
-
-    def __init__(self, parent: Any, number: Any) -> None:
-        super().__init__(parent, number.type, "freeze", [number])
-
-    def descr(self, buf: Any) -> None:
-        """Write the instruction."""
-        number = self.operands[0]
-        buf.append(f"freeze {number.type} {number.get_reference()}\n")
-
-
-def _update(choose: Any) -> Any:
-    """Make what loads a number, chooses between it and another, and stores that.
-
-    The compiler would make masked stores of them, which take AMD's processors without AVX-512 forty
-    steps each, and which no later load can be served from; hence the number is frozen.
-    """
-
-    def typed(_context: Any, buffer: Any, _place: Any, *others: Any) -> Any:
-        def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-            address = _address(context, builder, sig.args[0], args[0], args[1])
-            before = _Freeze(builder.block, builder.load(address))
-            builder._insert(before)
-            number = context.cast(builder, args[-1], sig.args[-1], buffer.number)
-            builder.store(choose(builder, before, number, *args[2:-1]), address)
-            return context.get_dummy_value()
-
-        return types.none(buffer, types.int64, *others), generate
-
-    return typed
-
-
-@intrinsic
-def _put_if(context: Any, buffer: Any, place: Any, condition: Any, number: Any) -> Any:
-    def choose(builder: Any, before: Any, number: Any, condition: Any) -> Any:
-        return builder.select(condition, number, before)
-
-    return _update(choose)(context, buffer, place, condition, number)
-
-
-@intrinsic
-def _raise_to(context: Any, buffer: Any, place: Any, number: Any) -> Any:
-    def choose(builder: Any, before: Any, number: Any) -> Any:
-        return builder.select(builder.fcmp_ordered(">", number, before), number, before)
-
-    return _update(choose)(context, buffer, place, number)
-
-
-def put_if(b: Any, place: Any, condition: Any, number: Any) -> None:
-    """Put a number into a buffer where a condition holds; else what is there stays."""
-    if condition:
-        b[place] = number
-
-
-def raise_to(b: Any, place: Any, number: Any) -> None:
-    """Put a number into a buffer where it is larger than what is there."""
-    b[place] = max(b[place], number)
 
 
 @intrinsic
@@ -192,22 +129,6 @@ def _like(buffer: Any, number: Any) -> Any:
 replace(like, lambda buffer, _number: _like if is_single(buffer) else like)
 
 
-def _put_if_in_buffer(b: Any, place: Any, condition: Any, number: Any) -> Any:
-    _put_if(b, place, condition, number)
-
-
-def _raise_to_in_buffer(b: Any, place: Any, number: Any) -> Any:
-    _raise_to(b, place, number)
-
-
-def _is_buffer(kind: Any) -> bool:
-    return isinstance(kind, BufferType)
-
-
-replace(put_if, lambda b, _p, _c, _n: _put_if_in_buffer if _is_buffer(b) else put_if)
-replace(raise_to, lambda b, _p, _n: _raise_to_in_buffer if _is_buffer(b) else raise_to)
-
-
 # ------------------------------------------------------------------------------- parameters
 
 
@@ -226,7 +147,7 @@ class Fields(AttributeTemplate):
 def read_field(context: Any, builder: Any, kind: Any, value: Any, name: str) -> Any:
     """Load a field."""
     index = WHOLE(LawParameters._fields.index(name))
-    return builder.load(_address(context, builder, kind, value, index))
+    return builder.load(address_of(context, builder, kind, value, index))
 
 
 @intrinsic
@@ -242,7 +163,7 @@ def on_the_stack(_context: Any, numbers: Any) -> Any:
         number = context.get_value_type(numbers.number)
         copy = cgutils.alloca_once(builder, number, size=WHOLE(len(LawParameters._fields)))
         for i in range(len(LawParameters._fields)):
-            field = builder.load(_address(context, builder, numbers, args[0], WHOLE(i)))
+            field = builder.load(address_of(context, builder, numbers, args[0], WHOLE(i)))
             builder.store(field, builder.gep(copy, [WHOLE(i)]))
         return builder.bitcast(copy, context.get_value_type(numbers))
 

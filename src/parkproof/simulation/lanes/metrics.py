@@ -62,9 +62,9 @@ from .buffer import (
     VARIATION2,
     WAY,
 )
-from .memory import put_if, raise_to
 from .plant import state_at
 from .sums import add_to
+from .updates import put_if, raise_to
 
 RESULT_ROWS = len(RESULTS)
 

@@ -42,8 +42,9 @@ from .buffer import (
     TAU1,
     TAU2,
 )
-from .memory import like, put_if
+from .memory import like
 from .sums import add_to
+from .updates import put_if
 
 
 @inlined

@@ -31,7 +31,7 @@ from .buffer import (
     TURN_SINE,
     UNUSED,
 )
-from .memory import put_if
+from .updates import put_if
 
 RENEWED = 32
 """Integration steps after which waves are worked out anew."""

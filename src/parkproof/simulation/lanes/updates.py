@@ -1,0 +1,122 @@
+"""Numbers of a buffer that are replaced where a condition holds, and else left as they are.
+
+Written as conditions they would become masked stores, of one loop over several lanes, which take
+AMD's processors without AVX-512 some forty steps each, and which no later load can be served from.
+So each is a load, a choice and a store.
+"""
+
+from typing import Any
+
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
+
+from parkproof.simulation.compiler import replace
+
+from .memory import BufferType, address_of
+
+
+def put_if(b: Any, place: Any, condition: Any, number: Any) -> None:
+    """Put a number into a buffer where a condition holds.
+
+    Parameters
+    ----------
+    b : Buffer or array
+        The buffer.
+    place : int
+        Which of its numbers.
+    condition : bool
+        Whether to replace it.
+    number : float
+        By what.
+
+    Examples
+    --------
+    >>> numbers = [1.0, 2.0]
+    >>> put_if(numbers, 0, True, 5.0)
+    >>> put_if(numbers, 1, False, 5.0)
+    >>> numbers
+    [5.0, 2.0]
+    """
+    if condition:
+        b[place] = number
+
+
+def raise_to(b: Any, place: Any, number: Any) -> None:
+    """Put a number into a buffer where it is larger than what is there.
+
+    Parameters
+    ----------
+    b : Buffer or array
+        The buffer.
+    place : int
+        Which of its numbers.
+    number : float
+        By what to replace it.
+
+    Examples
+    --------
+    >>> numbers = [1.0, 9.0]
+    >>> raise_to(numbers, 0, 5.0)
+    >>> raise_to(numbers, 1, 5.0)
+    >>> numbers
+    [5.0, 9.0]
+    """
+    b[place] = max(b[place], number)
+
+
+class Freeze(ir.Instruction):  # type: ignore[misc]  # untyped
+    """LLVM's instruction of that name: a number as it is.
+
+    The compiler would see through a load, a choice and a store, and make a masked store of them.
+    """
+
+    def __init__(self, parent: Any, number: Any) -> None:
+        super().__init__(parent, number.type, "freeze", [number])
+
+    def descr(self, buf: Any) -> None:
+        """Write the instruction."""
+        (number,) = self.operands
+        buf.append(f"freeze {number.type} {number.get_reference()}\n")
+
+
+def _updating(choose: Any, buffer: Any, *others: Any) -> Any:
+    """Signature and code of what chooses between a buffer's number and another."""
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        address = address_of(context, builder, buffer, *args[:2])
+        before = Freeze(builder.block, builder.load(address))
+        builder._insert(before)
+        number = context.cast(builder, args[-1], sig.args[-1], buffer.number)
+        builder.store(choose(builder, before, number, *args[2:-1]), address)
+        return context.get_dummy_value()
+
+    return types.none(buffer, types.int64, *others), generate
+
+
+@intrinsic
+def _put_if(_context: Any, b: Any, _place: Any, condition: Any, number: Any) -> Any:
+    def choose(builder: Any, before: Any, number: Any, condition: Any) -> Any:
+        return builder.select(condition, number, before)
+
+    return _updating(choose, b, condition, number)
+
+
+@intrinsic
+def _raise_to(_context: Any, b: Any, _place: Any, number: Any) -> Any:
+    def choose(builder: Any, before: Any, number: Any) -> Any:
+        return builder.select(builder.fcmp_ordered(">", number, before), number, before)
+
+    return _updating(choose, b, number)
+
+
+def _put_if_in_buffer(b: Any, place: Any, condition: Any, number: Any) -> Any:
+    _put_if(b, place, condition, number)
+
+
+def _raise_to_in_buffer(b: Any, place: Any, number: Any) -> Any:
+    _raise_to(b, place, number)
+
+
+replace(put_if, lambda b, *_: _put_if_in_buffer if isinstance(b, BufferType) else put_if)
+replace(raise_to, lambda b, *_: _raise_to_in_buffer if isinstance(b, BufferType) else raise_to)

@@ -1,0 +1,54 @@
+"""Numbers of a buffer that are replaced where a condition holds."""
+
+import math
+import re
+from typing import Any
+
+import numba
+import numpy as np
+import pytest
+
+from parkproof.simulation.compiler import KERNEL
+from parkproof.simulation.lanes.memory import Buffer
+from parkproof.simulation.lanes.updates import put_if, raise_to
+
+LANES = 64
+MASKED = re.compile(r"vmaskmovp[sd]\s+%\w+, %\w+, \S*\(|\(%\w+\S*\) \{%k\d\}$", re.MULTILINE)
+"""A masked store: with the mask in a register of its own, or as AVX-512 has it."""
+
+
+@numba.njit(**KERNEL)  # type: ignore[untyped-decorator]
+def update(b: Any) -> None:
+    """Rows: two that are updated, a condition, a number."""
+    for j in range(LANES):
+        put_if(b, j, b[2 * LANES + j] == 1.0, b[3 * LANES + j])
+        raise_to(b, LANES + j, b[3 * LANES + j])
+
+
+def rows(rng: np.random.Generator) -> np.ndarray:
+    given = rng.choice([-2.5, -0.0, 0.0, 1.0, 7.0, math.inf, math.nan], (4, LANES))
+    given[2] = rng.choice([0.0, 1.0, math.nan], LANES)
+    return given
+
+
+@pytest.mark.parametrize("single", [False, True])
+def test_compiled_updates_are_the_plain_ones(single: bool) -> None:
+    rng = np.random.default_rng(8)
+    for _ in range(20):
+        given = rows(rng)
+        buffer = Buffer(given.ravel(), single=single)
+        update(buffer)
+        plain = given.ravel().copy()
+        update.py_func(plain)
+        assert np.array_equal(buffer.numbers, plain.astype(buffer.numbers.dtype), equal_nan=True)
+        assert np.array_equal(np.signbit(buffer.numbers), np.signbit(plain))
+
+
+def test_updates_are_no_masked_stores() -> None:
+    update(Buffer(np.zeros(4 * LANES), single=False))
+    (code,) = (text for kind, text in update.inspect_asm().items() if "float64" in str(kind))
+    assert not MASKED.findall(code)
+    # the expression finds them where there are some
+    for line in ("vmaskmovpd %ymm0, %ymm1, -512(%rdi,%rcx,8)", "vmovupd %zmm0, (%rdi,%rcx) {%k1}"):
+        assert MASKED.search(line)
+    assert not MASKED.search("vmaskmovpd (%rdi), %ymm1, %ymm0")
