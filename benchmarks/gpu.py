@@ -2,13 +2,13 @@
 
 Run it from the repository root::
 
-    pip install 'parkproof[gpu]' nvidia-cuda-nvcc-cu12
+    pip install '.[gpu]' nvidia-cuda-nvcc-cu12
     python benchmarks/gpu.py [--trials 131072] [--rounds 3]
 
 Where there is a processor, it carries out random trials of Section 4 (corrected law, explicit form,
 15 s at 1 ms) and prints times and how far results are from those of lanes. Where there is none, it
 compiles the kernel for compute capability 9.0 (an H100's), and prints what ptxas says of registers
-and memory.
+and memory; that takes parts of numba-cuda that it does not document (tried with 0.30.4).
 """
 
 import argparse
@@ -18,6 +18,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
 from types import SimpleNamespace
@@ -30,15 +31,12 @@ from lanes import trials
 from parkproof.errors import InputError
 from parkproof.simulation.ensemble import simulate_trials
 from parkproof.simulation.gpu.launch import check_gpu
+from parkproof.simulation.shared import kind_of
 from parkproof.simulation.trials import Trials, trials_of
 
 CAPABILITY = (9, 0)
 DRAWN = 1024
 """Different trials; more are these again."""
-
-KIND: dict[str, Any] = {
-    "law_name": "corrected", "implicit": False, "exact": True, "robot": "chained", "camera": False
-}  # fmt: skip
 
 
 class LaunchedError(Exception):
@@ -74,6 +72,15 @@ def arguments_of_a_launch() -> tuple[Any, ...]:
     return tuple(taken)
 
 
+def wheels() -> Iterator[str]:
+    """Where the package nvidia-cuda-nvcc-cu12 keeps ptxas."""
+    nvidia = find_spec("nvidia")
+    for folder in (nvidia and nvidia.submodule_search_locations) or ():
+        file = Path(folder) / "cuda_nvcc/bin/ptxas"
+        if file.is_file():
+            yield str(file)
+
+
 def compile_only() -> int:
     """Compile for a processor that is not there, and print what ptxas says."""
     from numba.cuda import compiler, dispatcher
@@ -84,15 +91,13 @@ def compile_only() -> int:
     types = tuple(numba.typeof(argument) for argument in arguments_of_a_launch())
     # device functions ask what processor they are for, though none will be launched
     dispatcher.get_current_device = lambda: SimpleNamespace(compute_capability=CAPABILITY)
+    kernel = device_kernel(**kind_of(trials(1)[0], camera=False))
     code, _ = compiler.compile(
-        device_kernel(**KIND).py_func, types, device=False, abi="numba", cc=CAPABILITY,
-        output="ltoir",
-    )  # fmt: skip
+        kernel.py_func, types, device=False, abi="numba", cc=CAPABILITY, output="ltoir"
+    )
     linker = _Linker(cc=CAPABILITY, lto=True)
     linker.add_ltoir(code)
-    found = find_spec("nvidia.cuda_nvcc")
-    folders = list(found.submodule_search_locations or ()) if found else []
-    ptxas = next((str(Path(f) / "bin/ptxas") for f in folders), None) or shutil.which("ptxas")
+    ptxas = shutil.which("ptxas") or next(wheels(), None)
     if ptxas is None:
         print("no ptxas; to have it: pip install nvidia-cuda-nvcc-cu12", file=sys.stderr)
         return 1
@@ -136,7 +141,8 @@ def compare(count: int, rounds: int) -> int:
     print(f"one core / graphics processor: {lane / thread:.1f}")
     same = np.mean(found["outcome"][: len(drawn)] == expected["outcome"])
     apart = np.abs(found["total"][: len(drawn)] - expected["total"])
-    within = np.mean(np.isnan(apart) | (apart <= 1.001 * shared.run.control_period))
+    neither = np.isnan(found["total"][: len(drawn)]) & np.isnan(expected["total"])
+    within = np.mean(neither | (apart <= 1.001 * shared.run.control_period))
     print(f"outcome as in lanes: {100 * same:.2f} %; settled within a period: {100 * within:.2f} %")
     return 0
 

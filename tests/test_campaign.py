@@ -262,6 +262,7 @@ def test_the_directory_of_another_campaign_is_refused(
     given = ("campaign", "campaign.toml", "--out", again)
     error = refused(capsys, *given, "--set", "run.duration=2")
     assert "another campaign: run.duration is 3.0 there and 2.0 here; choose another" in error
+    assert not (again / ".parts").exists()
     assert "seed is 5 there and 6 here" in refused(capsys, *given, "--set", "seed=6")
     assert "no trial is ever removed" in refused(capsys, *given, "--trials", 1000)
     record = record_of(again)

@@ -96,6 +96,11 @@ def test_a_forged_number_raises_an_alarm_and_its_run_is_written(
     options = ["--runs", "200", "--set", COARSE, "--set", "run.duration=20"]
     assert main(["falsify", str(path), "--objective", name, *options]) == 1
     assert f"ALARM: {name} = " in capsys.readouterr().out
+    again = ["--objective", name, *options, "--json", "--out", "again.toml"]
+    assert main(["falsify", str(path), *again]) == 1
+    found = {one["number"]: one for one in json.loads(capsys.readouterr().out)["numbers"]}
+    assert [key for key, one in found.items() if one["broken"]] == [name]
+    assert found[name]["sampled_finely"] > found[name]["bound"] == forged[name]
     run = simulate(read_scenario(here / "falsified.toml"))
     value = run.settling_time.total if name == "total_time" else run.metrics.max_speed
     assert value > forged[name]
@@ -109,6 +114,28 @@ def test_what_only_sampling_adds_is_no_alarm(certificate, here, capsys, monkeypa
     options = ["--objective", "max_speed", "--runs", "65", "--set", COARSE]
     assert main(["falsify", str(path), *options]) == 0
     assert "this is what sampling adds" in capsys.readouterr().out
+    assert main(["falsify", str(path), *options, "--json", "--out", "again.toml"]) == 0
+    found = {one["number"]: one for one in json.loads(capsys.readouterr().out)["numbers"]}
+    one = found["max_speed"]
+    assert (one["exceeded"], one["broken"], one["sampled_finely"]) == (True, False, 0.9)
+
+
+def test_ctrl_c_while_sampling_finely_is_said_and_leaves_an_alarm(
+    certificate, here, capsys, monkeypatch
+):
+    def stops(_broken):
+        raise KeyboardInterrupt
+
+    path = written(certificate, here / "certificate.json", max_speed=1.0)
+    monkeypatch.setattr("parkproof.falsification.confirm.finer", stops)
+    options = ["--objective", "max_speed", "--runs", "65", "--set", COARSE]
+    assert main(["falsify", str(path), *options, "--json"]) == 130
+    found = json.loads(capsys.readouterr().out)
+    one = next(one for one in found["numbers"] if one["number"] == "max_speed")
+    assert (found["interrupted"], found["written"]["replay"]) == (True, None)
+    assert (one["broken"], one["sampled_finely"]) == (True, None)
+    assert main(["falsify", str(path), *options, "--out", "again.toml"]) == 130
+    assert "it was not sampled more finely" in capsys.readouterr().out
 
 
 def test_the_published_law_is_broken_where_truth_may_vary(section4):
@@ -242,7 +269,7 @@ def test_finer_sampling_is_left_out_where_it_would_be_too_much(monkeypatch):
     (fine,) = finer([worst])
     assert 0.0 < abs(fine - worst.size) < 0.2
     monkeypatch.setattr(confirm, "MAX_SAMPLES", 1000)
-    assert finer([worst]) == [worst.size]
+    assert finer([worst]) == [None]
 
 
 BAD = [

@@ -8,7 +8,7 @@ import pytest
 
 from parkproof.bounds import Limits
 from parkproof.errors import InputError
-from parkproof.scenario import Scenario, Start
+from parkproof.scenario import RunSettings, Scenario, Start
 from parkproof.simulation.ensemble import simulate_ensemble
 from parkproof.simulation.metrics import STATE_NAMES
 from parkproof.simulation.outcome import Outcome
@@ -64,6 +64,20 @@ def test_a_run_has_the_metrics_of_its_row_to_the_last_bit(form: str, precision: 
         )
 
 
+@pytest.mark.parametrize("combination", [COMBINATIONS[2], COMBINATIONS[5]])
+def test_so_has_one_with_a_camera_with_noise_and_latency_and_of_another_robot(
+    combination: Any,
+) -> None:
+    given = trials(*combination, duration=1.0)[:3]
+    results = simulate_ensemble(given, runs=range(len(given)))
+    for i, run in enumerate(results["run"]):
+        row = {name: values[i] for name, values in results.items()}
+        assert (run.outcome, run.ended) == (row["outcome"], row["ended"])
+        assert run.metrics.peak_tau == [row["peak_tau1"], row["peak_tau2"]]
+        assert run.metrics.x0_range == [row["least_x0"], row["largest_x0"]]
+        assert run.returns == row["returns"]
+
+
 def test_a_run_does_not_depend_on_which_others_are_asked_for() -> None:
     given = long_trials("explicit")
     both = simulate_ensemble(given, runs=[2, 0], threads=2)["run"]
@@ -81,12 +95,22 @@ def test_a_trial_that_ends_early_has_the_samples_until_then() -> None:
     assert abs(run.trajectory["tau1"][-1]) > 4.0
 
 
-def test_a_trial_that_ends_at_once_has_one_sample() -> None:
-    given = [scenario("chained", None, "corrected", "explicit", False, start=STARTS[0],
-                      limits=Limits(speed=1e-9), duration=1.0)]  # fmt: skip
-    run: Run = simulate_ensemble(given, runs=[0])["run"][0]
-    assert run.trajectory["t"].size == simulate(given[0]).trajectory["t"].size
-    assert math.isfinite(run.metrics.excursion)
+def test_a_trial_that_noise_ends_at_once_has_one_sample() -> None:
+    """The published law is not for a heading beyond 90 degrees, as which noise shows this one."""
+    run: dict[str, Any] = {"duration": 1.0, "control_period": PERIOD, "noise": 0.2}
+    given = [
+        Scenario(law="published", start=Start(pose=(-1.0, 0.1, 1.5)),
+                 run=RunSettings(**run, seed=seed))
+        for seed in range(8)
+    ]  # fmt: skip
+    results = simulate_ensemble(given, runs=range(len(given)))
+    at_once = [run for run in results["run"] if run.ended == 0.0]
+    assert at_once
+    for run in at_once:
+        plain = simulate(run.scenario)
+        assert run.outcome is plain.outcome
+        assert run.trajectory["t"].tolist() == plain.trajectory["t"].tolist() == [0.0]
+        assert math.isfinite(run.metrics.excursion)
 
 
 def test_runs_that_there_are_not_are_refused() -> None:

@@ -151,31 +151,36 @@ def open_directory(path: Path, plain: dict[str, Any]) -> Iterator[CampaignDirect
         if record is not None:
             _check_same(path, record, plain)
         try:
-            (path / PARTS).mkdir(exist_ok=True)
-            for part in (path / PARTS).iterdir():  # of a process that was killed
-                part.unlink()
-            (path / TRIALS).mkdir(exist_ok=True)
-        except OSError as error:
-            raise _unwritable(path, error) from error
-        opened = CampaignDirectory(path, plain)
-        if record is None and opened.written:
-            raise InputError(
-                f"{path} holds rows of trials, but no {RECORD} that says of which campaign; choose "
-                "another directory"
-            )
-        last = opened.written[-1][1] if opened.written else 0
-        if last > plain["trials"]:
-            raise InputError(
-                f"{path} holds trials up to {last - 1:,}, and {plain['trials']:,} are asked for: "
-                f"no trial is ever removed; ask for {last:,} or more, or choose another directory"
-            )
-        if record is None or record["trials"] != plain["trials"]:
-            opened.note(finished=False)
-        try:
-            yield opened
+            yield _as_left(path, plain, record)
         finally:
             with contextlib.suppress(OSError):  # there are only whole files now
                 (path / PARTS).rmdir()
+
+
+def _as_left(path: Path, plain: dict[str, Any], record: dict[str, Any] | None) -> CampaignDirectory:
+    """The directory, new or as an earlier call left it, without what a kill left half written."""
+    try:
+        (path / PARTS).mkdir(exist_ok=True)
+        for part in (path / PARTS).iterdir():
+            part.unlink()
+        (path / TRIALS).mkdir(exist_ok=True)
+    except OSError as error:
+        raise _unwritable(path, error) from error
+    opened = CampaignDirectory(path, plain)
+    if record is None and opened.written:
+        raise InputError(
+            f"{path} holds rows of trials, but no {RECORD} that says of which campaign; choose "
+            "another directory"
+        )
+    last = opened.written[-1][1] if opened.written else 0
+    if last > plain["trials"]:
+        raise InputError(
+            f"{path} holds trials up to {last - 1:,}, and {plain['trials']:,} are asked for: "
+            f"no trial is ever removed; ask for {last:,} or more, or choose another directory"
+        )
+    if record is None or record["trials"] != plain["trials"]:
+        opened.note(finished=False)
+    return opened
 
 
 def digest_of(plain: dict[str, Any]) -> str:

@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -81,21 +82,17 @@ def falsify(
     from parkproof.cli.console import progress, stdout_console, write
     from parkproof.cli.falsify_table import nearest, print_falsification, print_replay, record_of
     from parkproof.cli.files import check_target, write_file
-    from parkproof.errors import InputError
     from parkproof.extras import require
 
     require("scipy", extra="campaign", purpose="parkproof falsify")
     from parkproof.falsification.claims import chosen
-    from parkproof.falsification.confirm import finer, replayed
+    from parkproof.falsification.confirm import Exceeded, finer, replayed
     from parkproof.falsification.read import target_of
     from parkproof.falsification.search import falsify as search
     from parkproof.scenario_file import to_toml
 
     most, longest = _budget(runs, seconds)
-    if seed < 0:
-        raise InputError(f"--seed {seed}: must be a whole number >= 0; write 0")
-    if threads is not None and not 1 <= threads <= MOST_THREADS:
-        raise InputError(f"--threads {threads}: must be from 1 to {MOST_THREADS}; leave it out")
+    _check_numbers(seed, threads)
     target = target_of(file, overrides=settings or (), box=_widths(box))
     objectives = chosen(target.claims, objective or ())
     check_target(out, overwrite=overwrite)
@@ -110,17 +107,18 @@ def falsify(
             threads=threads or processors(),
             progress=report,
         )
-        broken = [one for one in found.worst if one.broken]
-        again = [one.size for one in broken]
+        broken = [Exceeded(worst=one) for one in found.worst if one.broken]
         interrupted = found.interrupted
         if target.proved and not interrupted:
             report("sampling more finely", 1.0)
             try:
-                again = finer(broken)
+                sizes = finer([one.worst for one in broken])
+                broken = [replace(one, finer=size) for one, size in zip(broken, sizes, strict=True)]
             except KeyboardInterrupt:
                 interrupted = True
-        alarms = [one for one, size in zip(broken, again, strict=True) if size > one.claim.bound]
-        worst = nearest(alarms or broken or [one for one in found.worst if one.claim in objectives])
+        alarms = [one.worst for one in broken if one.holds_up]
+        searched = [one for one in found.worst if one.claim in objectives]
+        worst = nearest(alarms or [one.worst for one in broken] or searched)
         write_file(out, to_toml(worst.scenario), overwrite=overwrite)
         replay = None
         if not interrupted:
@@ -130,11 +128,16 @@ def falsify(
             except KeyboardInterrupt:
                 interrupted = True
     if as_json:
-        record = record_of(found, target, again, worst, replay, out)
-        write(json.dumps({"file": str(file), "seed": seed, **record}, indent=2) + "\n")
+        record = {
+            "file": str(file),
+            "seed": seed,
+            "interrupted": interrupted,
+            **record_of(found, target, broken, worst, replay, out),
+        }
+        write(json.dumps(record, indent=2, ensure_ascii=False) + "\n")
     elif not quiet:
         console = stdout_console()
-        print_falsification(console, found, target, again)
+        print_falsification(console, found, target, broken)
         print_replay(console, worst, replay, out)
     if interrupted:
         return 130
@@ -142,6 +145,16 @@ def falsify(
 
 
 MOST_RUNS, MOST_THREADS, USUAL_RUNS = 10**9, 1024, 8192
+
+
+def _check_numbers(seed: int, threads: int | None) -> None:
+    """Raise if a seed or a number of threads is none."""
+    from parkproof.errors import InputError
+
+    if seed < 0:
+        raise InputError(f"--seed {seed}: must be a whole number >= 0; write 0")
+    if threads is not None and not 1 <= threads <= MOST_THREADS:
+        raise InputError(f"--threads {threads}: must be from 1 to {MOST_THREADS}; leave it out")
 
 
 def _budget(runs: int | None, seconds: float | None) -> tuple[int, float]:

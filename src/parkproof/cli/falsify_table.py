@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from parkproof.falsification.claims import TIME, word
-from parkproof.falsification.confirm import FINER, Replayed
+from parkproof.falsification.confirm import FINER, Exceeded, Replayed
 from parkproof.falsification.search import Falsification, Worst
 from parkproof.simulation.outcome import Outcome
 
@@ -40,7 +40,7 @@ def nearest(found: Sequence[Worst]) -> Worst:
 
 
 def print_falsification(
-    console: "Console", found: Falsification, target: "Target", again: Sequence[float]
+    console: "Console", found: Falsification, target: "Target", exceeded: Sequence[Exceeded]
 ) -> None:
     """Print a table of all numbers, and a line for each that is exceeded.
 
@@ -52,8 +52,8 @@ def print_falsification(
         What the search found.
     target : Target
         What it was for.
-    again : sequence of float
-        For each number that is exceeded, what finer sampling made of it.
+    exceeded : sequence of Exceeded
+        Each run that goes beyond its bound.
     """
     from rich import box
     from rich.table import Table
@@ -76,33 +76,35 @@ def print_falsification(
         )
     console.print(f"{found.runs} runs", style="bold")
     console.print(table)
-    broken = [one for one in found.worst if one.broken]
-    for one, finer in zip(broken, again, strict=True):
-        console.print(_sentence(one, finer, proved=target.proved), soft_wrap=True)
-    if not broken:
+    for beyond in exceeded:
+        console.print(_sentence(beyond, proved=target.proved), soft_wrap=True)
+    if not exceeded:
         console.print(f"No run went beyond what is {'proved' if target.proved else 'asked'}.")
 
 
-def _sentence(one: Worst, again: float, *, proved: bool) -> str:
+def _sentence(exceeded: Exceeded, *, proved: bool) -> str:
     """Say of a number that it is exceeded, and whether sampling alone did that."""
+    one = exceeded.worst
     said = f"{word(one.claim)} = {one.size:.6g}, and {one.claim.bound:.6g} is the bound"
     if one.claim.name == TIME and math.isinf(one.size):
         said = f"a run does not park ({one.outcome.value})"
     if not proved:
         return f"BROKEN: {said}."
+    if exceeded.finer is None:
+        return f"ALARM: {said}; it was not sampled more finely."
     period = one.scenario.run.control_period / FINER
-    if again > one.claim.bound:
+    if exceeded.holds_up:
         return f"ALARM: {said}; so it is where the run is sampled every {period:g} s."
     return (
-        f"Note: {said}; sampled every {period:g} s the same run comes to {again:.6g}: the proof is "
-        "of continuous time, and this is what sampling adds."
+        f"Note: {said}; sampled every {period:g} s the same run comes to {exceeded.finer:.6g}: the "
+        "proof is of continuous time, and this is what sampling adds."
     )
 
 
 def record_of(
     found: Falsification,
     target: "Target",
-    again: Sequence[float],
+    exceeded: Sequence[Exceeded],
     worst: Worst,
     replay: Replayed | None,
     out: Path,
@@ -115,8 +117,8 @@ def record_of(
         What the search found.
     target : Target
         What it was for.
-    again : sequence of float
-        For each number that is exceeded, what finer sampling made of it.
+    exceeded : sequence of Exceeded
+        Each run that goes beyond its bound.
     worst : Worst
         The run that was written.
     replay : Replayed or None
@@ -129,34 +131,32 @@ def record_of(
     dict
         Numbers, texts, lists and dicts.
     """
-    broken = [one for one in found.worst if one.broken]
-    # samples of a scenario's claims are what is claimed; finer ones are for proofs
-    finer = dict(zip(map(id, broken), again, strict=True)) if target.proved else {}
+    beyond = {one.worst.claim.name: one for one in exceeded}
+    written: dict[str, Any] = {"number": word(worst.claim), "scenario": str(out), "replay": None}
+    if replay is not None:
+        written["replay"] = {
+            "outcome": replay.outcome.value, "size": _finite(replay.size), "same": replay.same
+        }  # fmt: skip
     return {
         "proved": target.proved,
         "runs": found.runs,
-        "interrupted": found.interrupted,
-        "numbers": [
-            {
-                "number": word(one.claim),
-                "bound": _finite(one.claim.bound),
-                "worst": _finite(one.size),
-                "outcome": one.outcome.value,
-                "exceeded": one.broken,
-                "sampled_finely": _finite(finer.get(id(one), math.nan)),
-            }
-            for one in found.worst
-        ],
-        "written": {
-            "number": word(worst.claim),
-            "scenario": str(out),
-            "replay": replay
-            and {
-                "outcome": replay.outcome.value,
-                "size": _finite(replay.size),
-                "same": replay.same,
-            },
-        },
+        "numbers": [_number(one, beyond.get(one.claim.name)) for one in found.worst],
+        "written": written,
+    }
+
+
+def _number(one: Worst, exceeded: Exceeded | None) -> dict[str, Any]:
+    """What was found for one number."""
+    again = None if exceeded is None or exceeded.finer is None else _finite(exceeded.finer)
+    return {
+        "number": word(one.claim),
+        "bound": _finite(one.claim.bound),
+        "worst": _finite(one.size),
+        "share": _finite(one.share),
+        "outcome": one.outcome.value,
+        "exceeded": exceeded is not None,
+        "sampled_finely": again,
+        "broken": exceeded is not None and exceeded.holds_up,
     }
 
 

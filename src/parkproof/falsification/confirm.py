@@ -72,7 +72,28 @@ def replayed(worst: Worst) -> Replayed:
     return Replayed(worst=worst, outcome=run.outcome, size=size_in(worst.claim, run))
 
 
-def finer(broken: Sequence[Worst]) -> list[float]:
+@dataclass(frozen=True, kw_only=True)
+class Exceeded:
+    """A run that goes beyond a bound, and what it comes to where it is sampled more finely.
+
+    Attributes
+    ----------
+    worst : Worst
+        The run.
+    finer : float or None
+        Its number then; None where it was not sampled more finely.
+    """
+
+    worst: Worst
+    finer: float | None = None
+
+    @property
+    def holds_up(self) -> bool:
+        """Whether the bound is exceeded for all that is known, and not by sampling alone."""
+        return self.finer is None or self.finer > self.worst.claim.bound
+
+
+def finer(broken: Sequence[Worst]) -> list[float | None]:
     """Carry out runs again, ten times as finely sampled.
 
     Parameters
@@ -82,8 +103,8 @@ def finer(broken: Sequence[Worst]) -> list[float]:
 
     Returns
     -------
-    list of float
-        What each comes to; what it came to before where so many samples are too many.
+    list of float or None
+        What each comes to; None where so many samples are too many.
 
     Examples
     --------
@@ -94,7 +115,7 @@ def finer(broken: Sequence[Worst]) -> list[float]:
         return []
     run = broken[0].scenario.run
     if FINER * run.samples > MAX_SAMPLES:
-        return [worst.size for worst in broken]
+        return [None for _ in broken]
     step = None if run.plant_step is None else run.plant_step / FINER
     fine = msgspec.structs.replace(
         run, control_period=run.control_period / FINER, plant_step=step, record_period=None

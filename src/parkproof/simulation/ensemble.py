@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from threading import Lock
+from operator import index
 from typing import Any, Literal, Unpack, get_args
 
 import msgspec
@@ -30,11 +30,8 @@ Floats = NDArray[np.float64]
 
 Device = Literal["cpu", "cuda"]
 
-_ONE_AT_A_TIME = Lock()
-"""Threads that ask for one kernel at once would else each compile one."""
 
-
-def _shared(scenario: Scenario) -> tuple[Any, ...]:
+def _in_common(scenario: Scenario) -> tuple[Any, ...]:
     """What all trials of an ensemble must have in common."""
     run = msgspec.structs.replace(scenario.run, seed=0) if scenario.run.seed else scenario.run
     return (
@@ -68,8 +65,9 @@ def simulate_ensemble(
         times of some trials are some periods off (docs/numerics.md says how many). On this
         computer's processor only.
     runs : sequence of int
-        Numbers of the trials whose every sample is wanted, from 0; each takes some tenths of a
-        second more, and the first some seconds, to compile. On this computer's processor only.
+        Numbers of the trials whose every sample is wanted, from 0. Each is carried out once more,
+        which takes some tenths of a second, and the first time a kernel is compiled that keeps
+        samples. On this computer's processor only.
 
     Returns
     -------
@@ -101,37 +99,47 @@ def simulate_ensemble(
     if not scenarios:
         raise InputError("no trials: an ensemble needs at least one scenario; give some")
     first = scenarios[0]
-    if any(_shared(s) != _shared(first) for s in scenarios[1:]):
+    if any(_in_common(s) != _in_common(first) for s in scenarios[1:]):
         raise InputError(
             "the trials of an ensemble differ in more than start and truth, camera and run.seed: "
             "run an ensemble for each law, gains, bounds and run settings"
         )
-    _check_runs(runs, len(scenarios), device)
+    wanted = _checked(runs, len(scenarios), device)
     results = simulate_trials(
         first, trials_of(scenarios), threads=threads, device=device, precision=precision
     )
-    if len(runs):
+    if wanted:
         results["run"] = np.full(len(scenarios), None, dtype=object)
-    for i in runs:
-        results["run"][i] = traced_run(
-            scenarios[i],
-            outcome=results["outcome"][i],
-            ended=float(results["ended"][i]),
-            precision=precision,
-        )
+    for i in wanted:
+        results["run"][i] = traced_run(scenarios[i], precision=precision)
     return results
 
 
-def _check_runs(runs: Sequence[int], count: int, device: Device) -> None:
-    """Raise if every sample is wanted of a trial that there is not, or from another processor."""
-    wrong = next((i for i in runs if not 0 <= i < count), None)
+def _checked(runs: Sequence[int], count: int, device: Device) -> list[int]:
+    """Numbers of trials, if there are such, and what computes keeps samples."""
+    _check_device(device)
+    if len(runs) and device != "cpu":
+        raise InputError(
+            f'runs = {list(runs)} with device = "{device}": samples are kept on this computer\'s '
+            'processor only; write device="cpu", or leave runs out'
+        )
+    try:
+        wanted = [index(i) for i in runs]
+    except TypeError as error:
+        raise InputError(f"runs = {list(runs)}: must be whole numbers; write runs=[0]") from error
+    wrong = next((i for i in wanted if not 0 <= i < count), None)
     if wrong is not None:
         raise InputError(
             f"runs = [{wrong}]: must be numbers of trials, from 0 to {count - 1}; write for "
             "example runs=[0]"
         )
-    if len(runs) and device != "cpu":
-        raise InputError(f'runs with device = "{device}": write device="cpu", or leave runs out')
+    return wanted
+
+
+def _check_device(device: Device) -> None:
+    """Raise if there is no such device."""
+    if device not in get_args(Device):
+        raise InputError(f'device = "{device}": there is no such device; write "cpu" or "cuda"')
 
 
 def simulate_trials(
@@ -176,8 +184,7 @@ def simulate_trials(
     >>> simulate_trials(scenario, trials_of([scenario]))["outcome"][0].value
     'parked'
     """
-    if device not in get_args(Device):
-        raise InputError(f'device = "{device}": there is no such device; write "cpu" or "cuda"')
+    _check_device(device)
     check_precision(precision, device)
     run = scenario.run
     if precision == "single":
@@ -206,8 +213,7 @@ def _carry_out(
     """The kernel's rows of trials that share an integration step, block by block."""
     from parkproof.simulation.lanes.kernel import kernel_of
 
-    with _ONE_AT_A_TIME:
-        kernel = kernel_of(**kind, single=single)
+    kernel = kernel_of(**kind, single=single)
     arrays, order = trials.arrays, _side_by_side(trials)
 
     def block(begin: int) -> Floats:

@@ -13,9 +13,10 @@ from parkproof.model.chained import ChainedState, body_inputs, chained_inputs, e
 from parkproof.model.homography import Nine
 from parkproof.model.image_unicycle import gains_under
 from parkproof.model.signals import signal_value
-from parkproof.model.truth import Channel, Resolved
+from parkproof.model.truth import Channel, Resolved, channel, scales
 from parkproof.model.unicycle import wrap_angle
 from parkproof.scalar import cosine, sign, sine
+from parkproof.scenario import Scenario
 from parkproof.simulation.image_steps import image_chained_step, image_turning_step
 from parkproof.simulation.steps import Scales, chained_step, time_in_period, turning_step
 
@@ -228,3 +229,36 @@ class Plant:
         else:
             self._state = (a, b, math.atan(c), *body_inputs(d, e, c))
         self._in_chart = wanted
+
+
+def plant_of(scenario: Scenario) -> Plant:
+    """Make the plant of a run, at its start.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What is to be run.
+
+    Returns
+    -------
+    Plant
+        At time 0.
+
+    Examples
+    --------
+    >>> from parkproof.scenario import Start
+    >>> plant_of(Scenario(law="corrected", start=Start(pose=(-1.0, 0.1, 0.0)))).measurement(0.0).x0
+    -1.0
+    """
+    return Plant(
+        robot=scenario.robot.kind,
+        channels=(
+            channel(0, scenario.truth, scenario.bounds),
+            channel(1, scenario.truth, scenario.bounds),
+        ),
+        camera=None if scenario.camera is None else scenario.camera.view.from_goal.entries,
+        scales=scales(scenario.truth, scenario.bounds),
+        pose=scenario.start_pose,
+        velocity=scenario.start_velocity,
+        chained=scenario.start.chained,
+    )

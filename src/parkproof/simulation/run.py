@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 
 from parkproof.laws.controller import Command, Controller, Measurement
 from parkproof.model.signals import Square, Switched
-from parkproof.model.truth import channel, scales
 from parkproof.scenario import DIVERGED_AT, RunSettings, Scenario
 from parkproof.simulation.metrics import Metrics, metrics_of
 from parkproof.simulation.outcome import Outcome
-from parkproof.simulation.plant import Plant
+from parkproof.simulation.plant import plant_of
 from parkproof.simulation.sensor import Sensor
 
 COLUMNS = (
@@ -184,39 +183,6 @@ def simulate(scenario: Scenario, *, progress: Callable[[float], None] | None = N
         if progress is not None and k % report_every == 0:
             progress(k / n)
     return recorder.finish(None, n * h)
-
-
-def plant_of(scenario: Scenario) -> Plant:
-    """Make the plant of a run, at its start.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        What is to be run.
-
-    Returns
-    -------
-    Plant
-        At time 0.
-
-    Examples
-    --------
-    >>> from parkproof.scenario import Start
-    >>> plant_of(Scenario(law="corrected", start=Start(pose=(-1.0, 0.1, 0.0)))).measurement(0.0).x0
-    -1.0
-    """
-    return Plant(
-        robot=scenario.robot.kind,
-        channels=(
-            channel(0, scenario.truth, scenario.bounds),
-            channel(1, scenario.truth, scenario.bounds),
-        ),
-        camera=None if scenario.camera is None else scenario.camera.view.from_goal.entries,
-        scales=scales(scenario.truth, scenario.bounds),
-        pose=scenario.start_pose,
-        velocity=scenario.start_velocity,
-        chained=scenario.start.chained,
-    )
 
 
 class Recorder:

@@ -1,4 +1,4 @@
-"""Trials of an ensemble with every sample, as the lanes themselves went through them."""
+"""A trial of an ensemble with every sample: carried out once more, in lanes that keep them."""
 
 import math
 
@@ -7,42 +7,37 @@ import numpy as np
 from parkproof.laws.controller import Command, Measurement, measured_pose, measured_state
 from parkproof.model.chained import ChainedState
 from parkproof.scenario import Scenario
+from parkproof.simulation.lane_results import results_of
 from parkproof.simulation.lanes.buffer import BLOCK, RESULTS
-from parkproof.simulation.lanes.trace import TRACED
-from parkproof.simulation.outcome import Outcome
-from parkproof.simulation.run import Recorder, Run, plant_of, plant_steps
+from parkproof.simulation.lanes.trace import ROWS_TRACED
+from parkproof.simulation.plant import plant_of
+from parkproof.simulation.run import Recorder, Run, plant_steps
 from parkproof.simulation.shared import kind_of, shared_of
 from parkproof.simulation.trials import Precision, trials_of
 
 
-def traced_run(
-    scenario: Scenario, *, outcome: Outcome, ended: float, precision: Precision = "double"
-) -> Run:
-    """Carry a trial out again in lanes, and keep its samples.
+def traced_run(scenario: Scenario, *, precision: Precision = "double") -> Run:
+    """Carry a trial out in lanes that keep its samples.
 
     Parameters
     ----------
     scenario : Scenario
         The trial.
-    outcome : Outcome
-        How it ended in its ensemble.
-    ended : float
-        When, in s.
     precision : "double" or "single"
-        That of the ensemble.
+        That of its ensemble.
 
     Returns
     -------
     Run
-        The trial; its columns are worked out from what the lane had at each sample, which is the
-        same to the last bit as in the ensemble.
+        The trial, to the last bit as in any ensemble; the columns of its trajectory are worked out
+        from what the lane had at each sample.
 
     Examples
     --------
     >>> from parkproof.scenario import RunSettings, Start
     >>> trial = Scenario(law="corrected", start=Start(pose=(-1.0, 0.1, 0.0)),
     ...                  run=RunSettings(duration=12.0, control_period=0.01))
-    >>> traced_run(trial, outcome=Outcome.PARKED, ended=12.0).trajectory["t"].size
+    >>> traced_run(trial).trajectory["t"].size
     1201
     """
     from parkproof.simulation.lanes.kernel import kernel_of
@@ -53,17 +48,20 @@ def traced_run(
     shared = shared_of(scenario, plant_steps=plant_steps(scenario))
     # a block is full, if only of copies
     copies = [np.repeat(numbers, BLOCK, axis=-1) for numbers in trials.arrays]
-    trace = np.full((len(TRACED), scenario.run.samples + 1, 1), math.nan)
-    kernel(*shared, *copies, np.empty((len(RESULTS), BLOCK)), trace)
+    rows = np.empty((len(RESULTS), BLOCK))
+    trace = np.full((ROWS_TRACED, scenario.run.samples + 1), math.nan)
+    kernel(*shared, *copies, rows, trace)
+    results = results_of(dict(zip(RESULTS, rows[:, :1], strict=True)), scenario)
     recorder, period = Recorder(scenario), scenario.run.control_period
-    for k, sample in enumerate(trace[:, :, 0].T.tolist()):
+    for k, sample in enumerate(trace.T.tolist()):
         if not math.isnan(sample[0]):
             recorder.record(*_sample(k * period, sample))
-        elif k == 0:  # noise, as no start is accepted that would end the run
+        elif k == 0:
+            # noise has ended the trial before its first input: where it started, without one
             recorder.record(plant_of(scenario).measurement(0.0), Command(1, 0.0, 0.0))
         else:
             break
-    return recorder.finish(outcome, ended)
+    return recorder.finish(results["outcome"][0], float(results["ended"][0]))
 
 
 def _sample(t: float, sample: list[float]) -> tuple[Measurement, Command]:

@@ -43,13 +43,13 @@ def device_kernel(
     --------
     See `parkproof.simulation.gpu.launch.carry_out_on_gpu`.
     """
-    lane, buffer = one_lane("kernel"), one_lane("buffer")
+    block, buffer = one_lane("block"), one_lane("buffer")
     carry_out = inlined(
-        lane.trials_of_a_block(
+        block.trials_of_a_block(
             law_name, implicit=implicit, exact=exact, robot=robot, camera=camera, held=as_they_are
         )
     )
-    rows, steps, signals = len(buffer.ROWS), lane.STEPS, buffer.SIGNALS
+    rows, steps, signals = len(buffer.ROWS), buffer.STEPS, buffer.SIGNALS
     s0, chart, step, way, before = buffer.S0, buffer.CHART, buffer.STEP, buffer.WAY, buffer.BEFORE
     low0, high0, end0, ended_at = buffer.LOW0, buffer.HIGH0, buffer.END0, buffer.ENDED_AT
     turn_square, mean = buffer.TURN_SQUARE, buffer.MEAN
@@ -78,7 +78,7 @@ def device_kernel(
             b[ended_at], b[turn_square] = -1.0, 1.0
             for row in range(4 * signals):
                 b[mean + row] = means[row % signals, i]
-            trace = cuda.local.array((1, 1, 1), float64)  # nothing is kept in it
+            trace = cuda.local.array((1, 1), float64)  # nothing is kept in it
             here = slice(i, i + 1)
             carry_out(
                 p, clock, limits, sensing, b, ring[:, :, here], counts, groups, tones[:, i], kinds,

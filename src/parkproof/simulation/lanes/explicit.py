@@ -20,7 +20,8 @@ from parkproof.laws.turn import turn_channels
 from parkproof.simulation.compiler import inlined
 
 from .buffer import BEGUN1, BEGUN2, BLOCK, ERROR1, ERROR2, GROUP, NEW1, NEW2, STEP, WAY
-from .plant import put_where, state_at
+from .plant import state_at
+from .updates import put_two_if
 
 
 @inlined
@@ -32,7 +33,7 @@ def begin_errors(b, step, count, firsts, seen, p, law_channels):
             x0, x1, x2, u0, u1 = state_at(b, j, seen)
             one, two = law_channels(step, b[WAY + j], x0, x1, x2, u0, p)
             begun = begun_errors(one, two, u0, u1)
-            put_where(b[STEP + j] == step, b, j, BEGUN1, BEGUN2, begun)
+            put_two_if(b, BEGUN1 + j, BEGUN2 + j, b[STEP + j] == step, begun)
 
 
 @inlined
@@ -44,7 +45,7 @@ def end_errors(b, step, count, firsts, seen, p, law_channels):
             x0, x1, x2, u0, u1 = state_at(b, j, seen)
             one, two = law_channels(step, b[WAY + j], x0, x1, x2, u0, p)
             errors = ended_errors(one, two, b[BEGUN1 + j], b[BEGUN2 + j], u0, u1)
-            put_where(b[STEP + j] == step, b, j, ERROR1, ERROR2, errors)
+            put_two_if(b, ERROR1 + j, ERROR2 + j, b[STEP + j] == step, errors)
 
 
 @inlined
@@ -56,7 +57,7 @@ def begin_answers(b, step, count, firsts, seen, p, law_channels):
             x0, x1, x2, u0, _ = state_at(b, j, seen)
             one, two = law_channels(step, b[WAY + j], x0, x1, x2, u0, p)
             begun = begun_answers(one, two, b[ERROR1 + j], b[ERROR2 + j])
-            put_where(b[STEP + j] == step, b, j, BEGUN1, BEGUN2, begun)
+            put_two_if(b, BEGUN1 + j, BEGUN2 + j, b[STEP + j] == step, begun)
 
 
 @inlined
@@ -71,7 +72,7 @@ def end_answers(b, step, count, firsts, seen, p, law_channels, law_direct):
             error1, error2 = b[ERROR1 + j], b[ERROR2 + j]
             tau1, tau2 = ended_answers(one, two, b[BEGUN1 + j], b[BEGUN2 + j], error1, error2, p)
             tau2 = with_direct(tau2, law_direct(step, way, x1, x2, u1, p), p)
-            put_where(b[STEP + j] == step, b, j, NEW1, NEW2, (tau1, tau2))
+            put_two_if(b, NEW1 + j, NEW2 + j, b[STEP + j] == step, (tau1, tau2))
 
 
 @inlined
@@ -82,7 +83,9 @@ def answer_turn(b, count, firsts, pose, p):
         for j in range(first, first + GROUP):
             theta, v, omega = pose(b, j)
             one, two = turn_channels(theta + p.lookahead * omega, p)
-            put_where(b[STEP + j] == 0.0, b, j, NEW1, NEW2, explicit_inputs(one, two, v, omega, p))
+            put_two_if(
+                b, NEW1 + j, NEW2 + j, b[STEP + j] == 0.0, explicit_inputs(one, two, v, omega, p)
+            )
 
 
 @inlined

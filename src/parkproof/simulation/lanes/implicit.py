@@ -41,8 +41,8 @@ from .buffer import (
     SURFACE,
     WAY,
 )
-from .plant import put_where, state_at
-from .updates import put_if
+from .plant import state_at
+from .updates import put_if, put_two_if
 
 
 @inlined
@@ -157,7 +157,7 @@ def answer(b, step, count, firsts, seen, p, law_direct):
             tau1, tau2 = implicit_answers(end1, size1, end2, size2, u0, u1, p)
             _, y1, y2 = predicted(x0, x1, x2, u0, u1, p)
             tau2 = with_direct(tau2, law_direct(step, b[WAY + j], y1, y2, u1, p), p)
-            put_where(b[STEP + j] == step, b, j, NEW1, NEW2, (tau1, tau2))
+            put_two_if(b, NEW1 + j, NEW2 + j, b[STEP + j] == step, (tau1, tau2))
 
 
 @inlined
@@ -170,7 +170,7 @@ def answer_turn(b, count, firsts, pose, p):
             end1, end2 = end_of(b, j), end_of(b, j + CHANNELS)
             size1, size2 = b[SIZE + j], b[SIZE + CHANNELS + j]
             answers = implicit_answers(end1, size1, end2, size2, v, omega, p)
-            put_where(b[STEP + j] == 0.0, b, j, NEW1, NEW2, answers)
+            put_two_if(b, NEW1 + j, NEW2 + j, b[STEP + j] == 0.0, answers)
 
 
 @inlined

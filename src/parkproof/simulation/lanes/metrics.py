@@ -96,7 +96,7 @@ def hand_in(b, t, last, out, idle):
 
 
 @inlined
-def state_of_health(b, camera, j, limits, turns, pictured):
+def checks_of(b, camera, j, limits, turns, pictured):
     """Whether a lane's numbers are sound, it is in view, and it is in the chart if it has to be."""
     x, y, third, fourth, fifth = state_at(b, j, S0)
     x2 = third if b[CHART + j] == 1.0 else 0.0
@@ -110,14 +110,14 @@ def state_of_health(b, camera, j, limits, turns, pictured):
 @inlined
 def can_go_on(b, camera, j, limits, turns, pictured):
     """Whether a lane can go on from this measurement."""
-    sound, seen, charted = state_of_health(b, camera, j, limits, turns, pictured)
+    sound, seen, charted = checks_of(b, camera, j, limits, turns, pictured)
     return sound and seen and charted
 
 
 @inlined
 def end_code(b, camera, j, limits, turns, pictured):
     """Why a lane cannot go on from this measurement, or 0."""
-    sound, seen, charted = state_of_health(b, camera, j, limits, turns, pictured)
+    sound, seen, charted = checks_of(b, camera, j, limits, turns, pictured)
     code = 0.0 if charted else LEFT_CHART
     return DIVERGED if not sound else (code if seen else OUT_OF_VIEW)
 
@@ -168,7 +168,6 @@ def measure(b, late, holding, turning, gain):
         x, y, third, u0, u1 = state_at(b, j, S0)
         in_chart = b[CHART + j] == 1.0
         x2 = third if in_chart else 0.0
-        # apart: `max` of a number that is chosen there and then would be a call of numba's
         size0, size1 = (abs(u0) if in_chart else 0.0), (abs(u1) if in_chart else 0.0)
         raise_to(b, EXCURSION2 + j, x * x + y * y)
         put_if(b, LOW0 + j, x < b[LOW0 + j], x)

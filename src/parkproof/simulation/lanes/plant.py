@@ -147,14 +147,6 @@ def state_at(b, j, row):
     )  # fmt: skip
 
 
-@inlined
-def put_where(here, b, j, row1, row2, numbers):
-    """Put two numbers of a lane into two rows if they are for it, as where it is in their step."""
-    number1, number2 = numbers
-    put_if(b, row1 + j, here, number1)
-    put_if(b, row2 + j, here, number2)
-
-
 def advancing(find_signals, inside, outside):
     """Make the function that moves all lanes by one control period.
 

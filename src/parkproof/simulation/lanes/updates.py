@@ -1,8 +1,12 @@
 """Numbers of a buffer that are replaced where a condition holds, and else left as they are.
 
-Written as conditions they would become masked stores, of one loop over several lanes, which take
-AMD's processors without AVX-512 some forty steps each, and which no later load can be served from.
-So each is a load, a choice and a store.
+Written as a condition, such a replacement becomes a masked store in a vector loop. AMD's processors
+without AVX-512 carry one out in some forty micro-operations, and cannot forward what it stored to
+a later load; without them lanes took a fifth to a third less time. So each is a load, a choice and
+a store.
+
+For the same reason loops over lanes read numbers first and choose between them then: a read under a
+condition becomes a masked load, and what is then stored a masked store.
 """
 
 from typing import Any
@@ -11,7 +15,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from parkproof.simulation.compiler import replace
+from parkproof.simulation.compiler import inlined, replace
 
 from .memory import BufferType, address_of
 
@@ -42,6 +46,32 @@ def put_if(b: Any, place: Any, condition: Any, number: Any) -> None:
         b[place] = number
 
 
+def put_two_if(b: Any, place1: Any, place2: Any, condition: Any, numbers: Any) -> None:
+    """Put two numbers into a buffer where a condition holds.
+
+    Parameters
+    ----------
+    b : Buffer or array
+        The buffer.
+    place1, place2 : int
+        Which of its numbers.
+    condition : bool
+        Whether to replace them.
+    numbers : tuple of 2 floats
+        By what.
+
+    Examples
+    --------
+    >>> numbers = [1.0, 2.0]
+    >>> put_two_if(numbers, 0, 1, True, (5.0, 6.0))
+    >>> numbers
+    [5.0, 6.0]
+    """
+    number1, number2 = numbers
+    put_if(b, place1, condition, number1)
+    put_if(b, place2, condition, number2)
+
+
 def raise_to(b: Any, place: Any, number: Any) -> None:
     """Put a number into a buffer where it is larger than what is there.
 
@@ -69,6 +99,8 @@ class Freeze(ir.Instruction):  # type: ignore[misc]  # untyped
     """LLVM's instruction of that name: a number as it is.
 
     The compiler would see through a load, a choice and a store, and make a masked store of them.
+    llvmlite has no function for it; inserting it takes one that it does not document, hence the
+    narrow range of versions that the package asks for.
     """
 
     def __init__(self, parent: Any, number: Any) -> None:
@@ -120,3 +152,4 @@ def _raise_to_in_buffer(b: Any, place: Any, number: Any) -> Any:
 
 replace(put_if, lambda b, *_: _put_if_in_buffer if isinstance(b, BufferType) else put_if)
 replace(raise_to, lambda b, *_: _raise_to_in_buffer if isinstance(b, BufferType) else raise_to)
+inlined(put_two_if)
