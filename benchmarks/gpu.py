@@ -97,7 +97,7 @@ def compile_only() -> int:
     )
     linker = _Linker(cc=CAPABILITY, lto=True)
     linker.add_ltoir(code)
-    ptxas = shutil.which("ptxas") or next(wheels(), None)
+    ptxas = next(wheels(), None) or shutil.which("ptxas")  # which may be older than numba's PTX
     if ptxas is None:
         print("no ptxas; to have it: pip install nvidia-cuda-nvcc-cu12", file=sys.stderr)
         return 1
@@ -106,7 +106,10 @@ def compile_only() -> int:
         made = linker.get_linked_ptx()
         file.write_bytes(made if isinstance(made, bytes) else made.code)
         command = [ptxas, "-v", f"-arch=sm_{CAPABILITY[0]}{CAPABILITY[1]}", "-o", f"{folder}/out"]
-        said = subprocess.run([*command, str(file)], check=True, capture_output=True, text=True)
+        said = subprocess.run([*command, str(file)], check=False, capture_output=True, text=True)
+    if said.returncode:
+        print(said.stderr or said.stdout, file=sys.stderr)
+        return 1
     print("no processor here: compiled only")
     lines = [line for line in said.stderr.splitlines() if "registers" in line or "spill" in line]
     print("\n".join(line.removeprefix("ptxas info    : ").strip() for line in lines[:2]))
