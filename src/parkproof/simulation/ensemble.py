@@ -61,7 +61,7 @@ def simulate_ensemble(
         What computes: this computer's processor, or its NVIDIA graphics processor, where results
         agree to rounding.
     precision : "double" or "single"
-        Singles take two thirds to three quarters of the time. They are for statistics: settling
+        Singles take half to three quarters of the time. They are for statistics: settling
         times of some trials are some periods off (docs/numerics.md says how many). On this
         computer's processor only.
     runs : sequence of int
