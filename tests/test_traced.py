@@ -65,7 +65,7 @@ def test_a_run_has_the_metrics_of_its_row_to_the_last_bit(form: str, precision: 
 
 
 @pytest.mark.parametrize("combination", [COMBINATIONS[2], COMBINATIONS[5]])
-def test_so_has_one_with_a_camera_with_noise_and_latency_and_of_another_robot(
+def test_so_has_a_run_under_a_camera_with_noise_or_of_another_robot(
     combination: Any,
 ) -> None:
     given = trials(*combination, duration=1.0)[:3]

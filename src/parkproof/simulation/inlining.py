@@ -98,7 +98,7 @@ class KernelLibrary(_AsTranslated):
         options = create_pipeline_tuning_options(3)
         options.loop_vectorization, options.slp_vectorization = True, False
         # else short loops over the lanes of a group are unrolled before they are looked at for
-        # vector instructions, and then have none; unrolled afterwards they are no faster
+        # vector instructions, and then have none
         options.loop_unrolling = False
         builder = create_pass_builder(self._codegen._tm, options)
         builder.getModulePassManager().run(self._final_module, builder)

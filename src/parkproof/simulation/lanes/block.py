@@ -47,14 +47,7 @@ from .buffer import (
     TAU2,
     WAY,
 )
-from .metrics import (
-    can_go_on,
-    end_beyond_limits,
-    hand_in,
-    mark_ends,
-    measure,
-    note_step,
-)
+from .metrics import can_go_on, end_beyond_limits, hand_in, mark_ends, measure, note_step
 from .order import arrange, find_steps
 from .parts import parts_of
 from .plant import push, state_at
@@ -79,7 +72,7 @@ def trials_of_a_block(
     Parameters
     ----------
     law_name, implicit, exact, robot, camera, euler, traced
-        See `kernel_of`.
+        See `parkproof.simulation.lanes.kernel.kernel_of`.
     held : callable
         Makes of a law's parameters what a kernel best keeps them as.
 

@@ -15,12 +15,7 @@ from parkproof.laws.controller import RobotKind
 from parkproof.simulation.compiler import KERNEL
 
 from .block import trials_of_a_block
-from .buffer import (
-    BLOCK,
-    GROUP,
-    STEPS,
-    LaneLimits,
-)
+from .buffer import BLOCK, GROUP, STEPS, LaneLimits
 from .first import all_tones, first_buffer, kinds_of, with_times_below
 from .kept import keep
 from .memory import Buffer, Parameters, on_the_stack
@@ -28,7 +23,6 @@ from .trace import ROWS_TRACED
 
 NO_TRACE = np.empty((ROWS_TRACED, 0))
 """Room for no samples."""
-
 
 _ONE_AT_A_TIME = Lock()
 """Threads that ask for one kernel at once would else each compile one."""

@@ -81,7 +81,7 @@ def parts_of(robot: RobotKind, *, camera: bool, exact: bool, euler: bool = False
     Returns
     -------
     Parts
-        Functions that `parkproof.simulation.lanes.kernel` compiles.
+        Functions that `parkproof.simulation.lanes.block` puts together.
 
     Examples
     --------
