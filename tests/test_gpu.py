@@ -28,10 +28,14 @@ from parkproof.simulation.compiler import OPTIONS, register
 
 # the simulator runs the plain source: with the primitives that lanes have, and nothing else changed
 register()
-begun = numba.njit(**OPTIONS)(polynomials._begun_polynomial)
+begun, two_begun = (
+    numba.njit(**OPTIONS)(form)
+    for form in (polynomials._begun_polynomial, polynomials._begun_polynomials)
+)
 ended = numba.njit(**OPTIONS)(polynomials._ended_polynomial)
 wave = numba.njit(**OPTIONS)(polynomials._sine_polynomial)
 scalar.spow_begun, scalar.spow_ended, scalar.sine = begun, ended, wave
+scalar.spows_begun = two_begun
 scalar.spow = lambda x, p: ended(begun(x, p), x, p)
 scalar.tangent = lambda x: wave(x) / wave(x + 0.5 * math.pi)
 

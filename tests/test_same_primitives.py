@@ -40,7 +40,7 @@ def compiled(name: str) -> Callable[..., float]:
 @pytest.fixture
 def same_primitives(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let plain Python call the primitives of lanes."""
-    for name in ("spow", "spow_begun", "spow_ended", "sine", "tangent"):
+    for name in ("spow", "spow_begun", "spows_begun", "spow_ended", "sine", "tangent"):
         plain, other = getattr(scalar, name), compiled(name)
         for module in list(sys.modules.values()):
             if module.__name__.startswith("parkproof") and vars(module).get(name) is plain:
@@ -55,39 +55,38 @@ class Turned:
 
     def __init__(self, turns: int) -> None:
         self.turns = turns
-        self.known: dict[tuple[float, float, int], tuple[float, float]] = {}
+        self.known: dict[tuple[float, float, float, int], tuple[float, float]] = {}
         self.period = self.steps = 0.0
 
-    def waves(self, omega: float, phase: float, m: int) -> tuple[float, float]:
-        """Sine and cosine after so many turns."""
-        if (omega, phase, m) not in self.known:
+    def waves(self, amplitude: float, omega: float, phase: float, m: int) -> tuple[float, float]:
+        """Sine and cosine, times the amplitude, after so many turns."""
+        wave = amplitude, omega, phase
+        if (*wave, m) not in self.known:
             step = max(m - 1, 0) // 2 if self.turns == 2 else m
             anchor = step // signals.RENEWED * signals.RENEWED
             if m == self.turns * anchor:
-                s, c = self.anew(omega, phase, anchor)
+                s, c = self.anew(*wave, anchor)
             else:
                 before = m - 1 == self.turns * anchor
-                s, c = (
-                    self.anew(omega, phase, anchor) if before else self.waves(omega, phase, m - 1)
-                )
+                s, c = self.anew(*wave, anchor) if before else self.waves(*wave, m - 1)
                 angle = omega * (self.period / self.steps / self.turns)
                 s, c = scalar.rotated(s, c, scalar.sine(angle), scalar.cosine(angle))
-            self.known[omega, phase, m] = s, c
-        return self.known[omega, phase, m]
+            self.known[*wave, m] = s, c
+        return self.known[*wave, m]
 
-    def anew(self, omega: float, phase: float, step: int) -> tuple[float, float]:
-        """Sine and cosine at the start of a step."""
+    def anew(self, amplitude: float, omega: float, phase: float, step: int) -> tuple[float, float]:
+        """Sine and cosine, times the amplitude, at the start of a step."""
         k, i = divmod(step, int(self.steps))
         t = k * self.period
         angle = omega * time_in_period(t, (k + 1) * self.period - t, i, self.steps) + phase
-        return scalar.sine(angle), scalar.cosine(angle)
+        return amplitude * scalar.sine(angle), amplitude * scalar.cosine(angle)
 
     def value(self, amplitude: float, omega: float, phase: float, square: float, t: float) -> float:
         """What takes the place of `tone_value`."""
         if square > 0.0:
             return amplitude * scalar.sign(scalar.sine(omega * t + phase))
         turns = t * self.turns * self.steps / self.period
-        return amplitude * self.waves(omega, phase, round(turns))[0]
+        return self.waves(amplitude, omega, phase, round(turns))[0]
 
 
 @pytest.fixture

@@ -98,6 +98,28 @@ def spow_begun(x: float, p: float) -> float:
     return size
 
 
+def spows_begun(x1: float, p1: float, x2: float, p2: float) -> tuple[float, float]:
+    """First halves of two powers at once; compiled lanes share one division between them.
+
+    Parameters
+    ----------
+    x1, p1, x2, p2 : float
+        Base and exponent of either.
+
+    Returns
+    -------
+    tuple of 2 floats
+        For `spow_ended`, `spow_begun` of each, in compiled lanes but for rounding.
+
+    Examples
+    --------
+    >>> from parkproof.scalar import spows_begun
+    >>> spows_begun(9.0, 0.5, -8.0, 1.0)
+    (3.0, 8.0)
+    """
+    return spow_begun(x1, p1), spow_begun(x2, p2)
+
+
 def spow_ended(begun: float, x: float, p: float) -> float:  # noqa: ARG001  # compiled lanes ask
     """Second half of `spow`.
 

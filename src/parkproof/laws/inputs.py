@@ -8,7 +8,7 @@ predicted one period ahead and takes the sign at the period's end.
 from parkproof.laws.chains import ChannelLaw, ended_error
 from parkproof.laws.parameters import LawParameters
 from parkproof.laws.robustify import implicit_end, pull, robust
-from parkproof.scalar import clip, scalar, spow_begun, spow_ended
+from parkproof.scalar import clip, scalar, spow_ended, spows_begun
 
 
 @scalar
@@ -62,7 +62,8 @@ def with_direct(tau2: float, direct: float, p: LawParameters) -> float:
     >>> with_direct(0.0, -3.0, default_parameters())
     -3.0
     """
-    return clip(tau2 + direct, p.tau_max2)
+    # written so that nothing is left of it in a law that adds none
+    return clip(tau2 + direct, p.tau_max2) if direct != 0.0 else tau2
 
 
 @scalar
@@ -79,7 +80,7 @@ def begun_errors(one: ChannelLaw, two: ChannelLaw, u0: float, u1: float) -> tupl
     Returns
     -------
     tuple of 2 floats
-        `parkproof.scalar.spow_begun` of each.
+        Of `parkproof.scalar.spows_begun`.
 
     Examples
     --------
@@ -88,7 +89,7 @@ def begun_errors(one: ChannelLaw, two: ChannelLaw, u0: float, u1: float) -> tupl
     """
     _, power1, _, _ = one
     _, power2, _, _ = two
-    return spow_begun(u0, power1), spow_begun(u1, power2)
+    return spows_begun(u0, power1, u1, power2)
 
 
 @scalar
@@ -138,7 +139,7 @@ def begun_answers(
     Returns
     -------
     tuple of 2 floats
-        `parkproof.scalar.spow_begun` of each.
+        Of `parkproof.scalar.spows_begun`.
 
     Examples
     --------
@@ -147,7 +148,7 @@ def begun_answers(
     """
     _, _, _, outer1 = one
     _, _, _, outer2 = two
-    return spow_begun(error1, outer1), spow_begun(error2, outer2)
+    return spows_begun(error1, outer1, error2, outer2)
 
 
 @scalar

@@ -12,6 +12,10 @@ where this package is loaded again for graphics processors (`parkproof.simulatio
 GROUP = min(8, BLOCK)
 """Lanes that go through a law together: those of one vector register."""
 
+SLOT_ROWS = min(4, BLOCK)
+"""Rows that hold a number for each lane of each group in each of its steps of a law: four at most,
+the turn aside."""
+
 DIVERGED, OUT_OF_VIEW, LEFT_CHART, INPUT_LIMIT, SPEED_LIMIT = 1.0, 2.0, 3.0, 4.0, 5.0
 """Codes of the row ``ended``; 0 where a trial ran to its end."""
 
@@ -24,7 +28,7 @@ ROWS = (
     "max0", "max1", "max2", "max3", "max4", "low0", "high0", "speed", "turn_rate", "heading",
     # working values
     "chart", "next", "more", "ending", "tau1", "tau2", "new1", "new2",
-    "begun1", "begun2", "error1", "error2", "push1", "push2", "turn_square", "place",
+    "push1", "push2", "turn_square", "place",
     "kept0", "kept1", "kept2", "kept3", "kept4", "length", "kept_length",
     "rest1", "rest2", "rest3", "rest4", "rest5",
     "seen0", "seen1", "seen2", "seen3", "seen4", "raw2", "raw3", "raw4", "raw_chart",
@@ -40,6 +44,8 @@ ROWS = (
         "size", "power", "offset", "outer", "surface", "side", "distance",
         "low", "high", "at_low", "at_high", "last", "at", "open",
     )),
+    # what the explicit form has begun, group by group and step by step
+    *(f"{name}_{i}" for name in ("begun1", "begun2", "error1", "error2") for i in range(SLOT_ROWS)),
 )  # fmt: skip
 """Rows of a block's buffer. One buffer, so that the compiler sees that rows never overlap."""
 
@@ -56,7 +62,7 @@ largest |θ| outside the chart."""
     PEAK1, PEAK2, EXCURSION2, SQUARE1, SQUARE2, VARIATION1, VARIATION2, PATH,
     MAX0, MAX1, MAX2, MAX3, MAX4, LOW0, HIGH0, SPEED, TURN_RATE, HEADING,
     CHART, NEXT, MORE, ENDING, TAU1, TAU2, NEW1, NEW2,
-    BEGUN1, BEGUN2, ERROR1, ERROR2, PUSH1, PUSH2, TURN_SQUARE, PLACE,
+    PUSH1, PUSH2, TURN_SQUARE, PLACE,
     KEPT0, KEPT1, KEPT2, KEPT3, KEPT4, LENGTH, KEPT_LENGTH,
     REST1, REST2, REST3, REST4, REST5,
     SEEN0, SEEN1, SEEN2, SEEN3, SEEN4, RAW2, RAW3, RAW4, RAW_CHART,
@@ -87,6 +93,9 @@ GAMMA1, GAMMA2, PHI1, PHI2, ALPHA1, ALPHA2, B2 = range(0, BLOCK * SIGNALS, BLOCK
 CHANNELS = _REST[4 * SIGNALS + 14] - SIZE
 """How far the second channel's rows of a search lie behind those of the first, given above."""
 
+BEGUN1, BEGUN2, ERROR1, ERROR2 = _REST[4 * SIGNALS + 28 :: SLOT_ROWS]
+"""Where the rows of each begin that the explicit form fills group by group and step by step."""
+
 STEPS = 5
 """Steps of a law: turn, run-up, approach, return, hold."""
 
@@ -98,8 +107,8 @@ UNUSED, SINES, SQUARES = 0, 1, 2
 
 TONE_ROWS = 8
 OMEGA, PHASE, SQUARE, SINE, COSINE, TURN_SINE, TURN_COSINE = range(BLOCK, BLOCK * TONE_ROWS, BLOCK)
-"""Where the rows of a tone begin, counted from that of its amplitude: what it is, its waves now,
-and the rotation by which they go on."""
+"""Where the rows of a tone begin, counted from that of its amplitude: what it is, its waves now
+(times the amplitude), and the rotation by which they go on."""
 
 TONE = BLOCK * TONE_ROWS
 """How far apart tones are."""

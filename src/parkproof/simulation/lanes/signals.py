@@ -58,26 +58,27 @@ def prepare_turns(tones, kinds, part):
 
 @inlined
 def renew(tones, kinds, t):
-    """Work sines and cosines out."""
+    """Work sines and cosines out, times their amplitudes."""
     for i in range(SIGNALS):
         for m in range(kinds.shape[1]):
             if kinds[i, m] != UNUSED:
                 tone = place_of(kinds, i, m)
                 for j in range(tone, tone + BLOCK):
                     angle = tones[OMEGA + j] * t + tones[PHASE + j]
-                    tones[SINE + j], tones[COSINE + j] = sine(angle), cosine(angle)
+                    tones[SINE + j] = tones[j] * sine(angle)
+                    tones[COSINE + j] = tones[j] * cosine(angle)
 
 
 @inlined
 def value_of(tones, j, wave, squares, t):
-    """Value of a lane's tone whose sine is known, at a time.
+    """Value of a lane's tone at a time at which its sine, times its amplitude, is known.
 
     Where no lane has square waves, that is known before the loop.
     """
     if not squares:
-        return tones[j] * wave
+        return wave
     square = tone_value(tones[j], tones[OMEGA + j], tones[PHASE + j], 1.0, t)
-    return square if tones[SQUARE + j] > 0.0 else tones[j] * wave
+    return square if tones[SQUARE + j] > 0.0 else wave
 
 
 @inlined
