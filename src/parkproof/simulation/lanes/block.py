@@ -29,13 +29,13 @@ from parkproof.simulation.compiler import inlined, register
 from . import explicit as explicit_form
 from . import implicit as implicit_form
 from .buffer import (
+    ASK,
     BEFORE,
     BLOCK,
     CHART,
     ENDING,
     GROUP,
     LEFT_CHART,
-    MORE,
     NEW1,
     NEW2,
     NEXT,
@@ -98,6 +98,7 @@ def trials_of_a_block(
     find_inputs = form.find_inputs
     must_be_seen = not known and not turns
     can_be_misled = robot == "chained" and not exact
+    always_in_chart = robot == "chained"  # others can turn beyond ±90° in any step
     begin, look, pose, settle, pictured, gain, act, go, idle = parts_of(
         robot, camera=camera, exact=exact, euler=euler
     )
@@ -105,29 +106,30 @@ def trials_of_a_block(
 
     @inlined
     def switch_from(b, step, count, firsts, t, cameras, limits, p):
-        """Next step of lanes in one step; note whether there is more to do: a change, an end."""
+        """Next step of lanes in one step, which is the same unless there is more to do."""
         for i in range(count):
             first = firsts[i] & (BLOCK - GROUP)  # so that the compiler sees that it is an index
             for j in range(first, first + GROUP):
                 x0, x1, x2, u0, u1 = state_at(b, j, seen)
                 after = law_switch(step, b[WAY + j], t, x0, x1, x2, u0, u1, p)
                 here = b[STEP + j] == step
-                put_if(b, NEXT + j, here, after)
-                same = after == step and can_go_on(b, cameras, j, limits, turns, pictured)
-                same = same and not (must_be_seen and is_unseen(b, j))
+                charted = always_in_chart or b[CHART + j] == 1.0
+                going = can_go_on(b, cameras, j, charted, limits, turns, pictured)
+                going = going and not (must_be_seen and is_unseen(b, j))
                 # kept as a row of numbers: to count them here would take a sum across a register
-                put_if(b, MORE + j, here, 0.0 if same else 1.0)
+                put_if(b, NEXT + j, here, after if going else ASK)
 
     @inlined
     def turning_from(b, count, firsts, cameras, limits, p):
-        """Note whether there is more to do for lanes that turn: the turn is done, or the lane."""
+        """Ask for lanes that may have turned far enough, or cannot go on."""
         for i in range(count):
             first = firsts[i] & (BLOCK - GROUP)
             for j in range(first, first + GROUP):
                 theta, v, omega = pose(b, j)
                 more = turned(theta, v, omega, p) or abs(b[S2 + j]) >= math.pi
-                more = more or not can_go_on(b, cameras, j, limits, turns, pictured)
-                put_if(b, MORE + j, b[STEP + j] == 0.0, 1.0 if more else 0.0)
+                charted = b[CHART + j] == 1.0
+                more = more or not can_go_on(b, cameras, j, charted, limits, turns, pictured)
+                put_if(b, NEXT + j, b[STEP + j] == 0.0, ASK if more else 0.0)
 
     @inlined
     def ask_to_begin(b, j, p):
@@ -140,8 +142,7 @@ def trials_of_a_block(
             x2 = math.tan(theta) if inside else math.copysign(math.inf, theta)
             _, rate = chained_inputs(v, omega, x2)
             ready = b[STEP + j] == BEFORE or turned(theta, v, omega, p)
-        if ready:
-            b[NEXT + j] = law_begin(b[X1 + j], x2, rate, p)
+        b[NEXT + j] = law_begin(b[X1 + j], x2, rate, p) if ready else b[STEP + j]
 
     @inlined
     def change_steps(b, t, p):
@@ -183,7 +184,7 @@ def trials_of_a_block(
                 turning_from(b, counts[0], groups[0], cameras, limits, p)
             more = k == 0
             for j in range(BLOCK):
-                more |= b[MORE + j] > 0.0
+                more |= b[NEXT + j] != b[STEP + j]
             if more:
                 ended = mark_ends(b, cameras, limits, turns, pictured)
                 if must_be_seen:
@@ -198,8 +199,7 @@ def trials_of_a_block(
             if k == 0:
                 for j in range(BLOCK):
                     b[TAU1 + j], b[TAU2 + j] = b[NEW1 + j], b[NEW2 + j]
-            # robots of their own kind can be seen beyond ±90° in any step
-            heading = robot != "chained" or counts[0] > 0
+            heading = not always_in_chart or counts[0] > 0
             measure(b, t >= clock.residual_from, counts[4] > 0, heading, gain)
             keep_samples(b, trace, k, gain)
             ended = end_beyond_limits(b, limits, gain) if limited else 0

@@ -27,7 +27,7 @@ ROWS = (
     "peak1", "peak2", "excursion2", "square1", "square2", "variation1", "variation2", "path",
     "max0", "max1", "max2", "max3", "max4", "low0", "high0", "speed", "turn_rate", "heading",
     # working values
-    "chart", "next", "more", "ending", "tau1", "tau2", "new1", "new2",
+    "chart", "next", "ending", "tau1", "tau2", "new1", "new2",
     "push1", "push2", "turn_square", "place",
     "kept0", "kept1", "kept2", "kept3", "kept4", "length", "kept_length",
     "rest1", "rest2", "rest3", "rest4", "rest5",
@@ -61,7 +61,7 @@ largest |θ| outside the chart."""
     RESIDUAL0, RESIDUAL1, RESIDUAL2, HELD0, HELD1, HELD2,
     PEAK1, PEAK2, EXCURSION2, SQUARE1, SQUARE2, VARIATION1, VARIATION2, PATH,
     MAX0, MAX1, MAX2, MAX3, MAX4, LOW0, HIGH0, SPEED, TURN_RATE, HEADING,
-    CHART, NEXT, MORE, ENDING, TAU1, TAU2, NEW1, NEW2,
+    CHART, NEXT, ENDING, TAU1, TAU2, NEW1, NEW2,
     PUSH1, PUSH2, TURN_SQUARE, PLACE,
     KEPT0, KEPT1, KEPT2, KEPT3, KEPT4, LENGTH, KEPT_LENGTH,
     REST1, REST2, REST3, REST4, REST5,
@@ -101,6 +101,9 @@ STEPS = 5
 
 BEFORE = -1.0
 """In the row ``step``: the law has not begun."""
+
+ASK = -2.0
+"""In the row ``next``: ask why the lane cannot go on, or whether its turn is done."""
 
 UNUSED, SINES, SQUARES = 0, 1, 2
 """What the lanes of a block have of a tone: nothing, sines at most, or square waves, too."""

@@ -96,10 +96,13 @@ def hand_in(b, t, last, out, idle):
 
 
 @inlined
-def checks_of(b, camera, j, limits, turns, pictured):
-    """Whether a lane's numbers are sound, it is in view, and it is in the chart if it has to be."""
+def checks_of(b, camera, j, charted, limits, turns, pictured):
+    """Whether a lane's numbers are sound, it is in view, and it is in the chart if it has to be.
+
+    ``charted`` says in which coordinates its numbers are.
+    """
     x, y, third, fourth, fifth = state_at(b, j, S0)
-    x2 = third if b[CHART + j] == 1.0 else 0.0
+    x2 = third if charted else 0.0
     square = 1.0 + x2 * x2
     slow = fourth * fourth * square < 1e12 and abs(fifth) < 1e6 * square
     sound = max(abs(x), abs(y)) < 1e6 and slow
@@ -108,17 +111,18 @@ def checks_of(b, camera, j, limits, turns, pictured):
 
 
 @inlined
-def can_go_on(b, camera, j, limits, turns, pictured):
+def can_go_on(b, camera, j, charted, limits, turns, pictured):
     """Whether a lane can go on from this measurement."""
-    sound, seen, charted = checks_of(b, camera, j, limits, turns, pictured)
-    return sound and seen and charted
+    sound, seen, steered = checks_of(b, camera, j, charted, limits, turns, pictured)
+    return sound and seen and steered
 
 
 @inlined
 def end_code(b, camera, j, limits, turns, pictured):
     """Why a lane cannot go on from this measurement, or 0."""
-    sound, seen, charted = checks_of(b, camera, j, limits, turns, pictured)
-    code = 0.0 if charted else LEFT_CHART
+    charted = b[CHART + j] == 1.0
+    sound, seen, steered = checks_of(b, camera, j, charted, limits, turns, pictured)
+    code = 0.0 if steered else LEFT_CHART
     return DIVERGED if not sound else (code if seen else OUT_OF_VIEW)
 
 
@@ -149,26 +153,13 @@ def note_step(b, j, t):
 
 
 @inlined
-def measure(b, late, holding, turning, gain):
-    """Update the metrics of all lanes; the new inputs become those in force.
-
-    ``gain`` gives β, from the robot's turn rate to that of its heading.
-    """
-    for j in range(BLOCK):
-        tau1, tau2 = b[NEW1 + j], b[NEW2 + j]
-        change1, change2 = abs(tau1 - b[TAU1 + j]), abs(tau2 - b[TAU2 + j])
-        raise_to(b, PEAK1 + j, abs(tau1))
-        raise_to(b, PEAK2 + j, abs(tau2))
-        add_to(b, SQUARE1, j, tau1 * tau1)
-        add_to(b, SQUARE2, j, tau2 * tau2)
-        add_to(b, VARIATION1, j, change1)
-        add_to(b, VARIATION2, j, change2)
-        b[TAU1 + j], b[TAU2 + j] = tau1, tau2
+def measure_states(b, all_charted, gain):
+    """Update what depends on states alone; where all are in the chart, none is asked."""
     for j in range(BLOCK):
         x, y, third, u0, u1 = state_at(b, j, S0)
-        in_chart = b[CHART + j] == 1.0
-        x2 = third if in_chart else 0.0
-        size0, size1 = (abs(u0) if in_chart else 0.0), (abs(u1) if in_chart else 0.0)
+        charted = all_charted or b[CHART + j] == 1.0
+        x2 = third if charted else 0.0
+        size0, size1 = (abs(u0) if charted else 0.0), (abs(u1) if charted else 0.0)
         raise_to(b, EXCURSION2 + j, x * x + y * y)
         put_if(b, LOW0 + j, x < b[LOW0 + j], x)
         raise_to(b, HIGH0 + j, x)
@@ -183,6 +174,29 @@ def measure(b, late, holding, turning, gain):
         faster = abs(u1) * b[TURN_SQUARE + j] > b[TURN_RATE + j] * per_turn
         put_if(b, TURN_RATE + j, faster, abs(u1))
         put_if(b, TURN_SQUARE + j, faster, per_turn)
+
+
+@inlined
+def measure(b, late, holding, heading, gain):
+    """Update the metrics of all lanes; the new inputs become those in force.
+
+    ``heading`` says whether any is outside the chart, and ``gain`` gives β, from the robot's turn
+    rate to that of its heading.
+    """
+    for j in range(BLOCK):
+        tau1, tau2 = b[NEW1 + j], b[NEW2 + j]
+        change1, change2 = abs(tau1 - b[TAU1 + j]), abs(tau2 - b[TAU2 + j])
+        raise_to(b, PEAK1 + j, abs(tau1))
+        raise_to(b, PEAK2 + j, abs(tau2))
+        add_to(b, SQUARE1, j, tau1 * tau1)
+        add_to(b, SQUARE2, j, tau2 * tau2)
+        add_to(b, VARIATION1, j, change1)
+        add_to(b, VARIATION2, j, change2)
+        b[TAU1 + j], b[TAU2 + j] = tau1, tau2
+    if heading:
+        measure_states(b, False, gain)
+    else:
+        measure_states(b, True, gain)
     # errors; outside the chart |θ| counts for |x2|
     if holding:
         for j in range(BLOCK):
@@ -194,7 +208,7 @@ def measure(b, late, holding, turning, gain):
             raise_to(b, RESIDUAL0 + j, abs(b[S0 + j]))
             raise_to(b, RESIDUAL1 + j, abs(b[S1 + j]))
             raise_to(b, RESIDUAL2 + j, abs(b[S2 + j]))
-    if turning:
+    if heading:
         for j in range(BLOCK):
             third = abs(b[S2 + j])
             theta = 0.0 if b[CHART + j] == 1.0 else third
