@@ -2,8 +2,25 @@
 
 import numpy as np
 
-from parkproof.simulation.lanes.buffer import BLOCK, GROUP, ROWS, STEP, STEPS, TONE_ROWS
-from parkproof.simulation.lanes.order import arrange, find_steps
+from parkproof.laws import default_parameters
+from parkproof.laws.inputs import explicit_inputs, with_direct
+from parkproof.laws.table import law_named
+from parkproof.simulation.lanes.buffer import (
+    BLOCK,
+    GROUP,
+    GROUPS,
+    LISTED,
+    NEW1,
+    NEW2,
+    ROWS,
+    S0,
+    STEP,
+    STEPS,
+    TONE_ROWS,
+    WAY,
+)
+from parkproof.simulation.lanes.explicit import find_inputs
+from parkproof.simulation.lanes.order import arrange, find_steps, group_of
 
 SIGNALS, TONES, SAMPLES = 3, 2, 4
 
@@ -57,9 +74,27 @@ def test_groups_are_listed_for_each_step_that_is_in_force_in_them() -> None:
     steps[: GROUP + 1] = 0.0
     steps[GROUP + 1 : 2 * GROUP] = 2.0
     b, *_ = block_of(steps)
-    counts, groups = np.zeros(STEPS, int), np.zeros((STEPS, BLOCK // GROUP), int)
-    find_steps(b, counts, groups)
-    assert counts.tolist() == [2, 0, 1, 0, BLOCK // GROUP - 2]
-    assert groups[0, :2].tolist() == [0, GROUP]
-    assert groups[2, 0] == GROUP
-    assert groups[4, : counts[4]].tolist() == list(range(2 * GROUP, BLOCK, GROUP))
+    groups = np.full(LISTED, -1)
+    find_steps(b, groups)
+    assert groups[:STEPS].tolist() == [2, 0, 1, 0, GROUPS - 2]
+    listed = [[group_of(groups, step, i) for i in range(groups[step])] for step in range(STEPS)]
+    assert listed == [[0, GROUP], [], [GROUP], [], list(range(2 * GROUP, BLOCK, GROUP))]
+
+
+def test_a_lane_has_the_inputs_of_its_own_step_whatever_its_neighbours_are_in() -> None:
+    """Steps of neighbours differ as far as they can: each group goes through all four."""
+    p, law = default_parameters(), law_named("corrected")
+    b = np.random.default_rng(2).normal(size=BLOCK * len(ROWS))
+    b[STEP : STEP + BLOCK] = np.tile([1.0, 2.0, 3.0, 4.0], BLOCK // 4)
+    b[WAY : WAY + BLOCK] = 1.0
+    groups = np.zeros(LISTED, int)
+    find_steps(b, groups)
+    assert groups[:STEPS].tolist() == [0, *[GROUPS] * 4]
+    find_inputs(b, groups, S0, None, False, p, law.channels, law.direct)
+    for j in range(BLOCK):
+        step = b[STEP + j]
+        x0, x1, x2, u0, u1 = (float(b[S0 + i * BLOCK + j]) for i in range(5))
+        one, two = law.channels(step, 1.0, x0, x1, x2, u0, p)
+        tau1, tau2 = explicit_inputs(one, two, u0, u1, p)
+        tau2 = with_direct(tau2, law.direct(step, 1.0, x1, x2, u1, p), p)
+        assert (b[NEW1 + j], b[NEW2 + j]) == (tau1, tau2)

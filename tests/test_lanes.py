@@ -14,7 +14,7 @@ from parkproof.errors import InputError
 from parkproof.laws.gains import Gains
 from parkproof.model.signals import Adversary, Constant, Noise, Sine
 from parkproof.model.truth import Truth
-from parkproof.scalar import sine, spow, spow_begun, spow_ended
+from parkproof.scalar import sine, spow, spow_begun, spow_ended, spows_begun
 from parkproof.scenario import RunSettings, Scenario, Start
 from parkproof.simulation.compiler import OPTIONS, register
 from parkproof.simulation.ensemble import simulate_ensemble
@@ -102,6 +102,26 @@ def test_the_halves_of_a_power_make_the_power(p: float) -> None:
     assert out[2:] == pytest.approx([spow(number, p) for number in x[2:]], rel=2e-14, abs=0.0)
     for number in (*x.tolist(), 1e150, math.inf):
         assert spow_ended(spow_begun(number, p), number, p) == spow(number, p)
+
+
+def test_two_powers_that_share_a_division_are_as_exact_whatever_the_other_is() -> None:
+    @numba.njit(**OPTIONS)  # type: ignore[untyped-decorator]
+    def pairs(x: np.ndarray, p: np.ndarray, other: np.ndarray, out: np.ndarray) -> None:
+        for i in range(x.size):
+            first, _ = spows_begun(x[i], p[i], other[i], 0.5)
+            _, second = spows_begun(other[i], 0.5, x[i], p[i])
+            out[0, i], out[1, i] = spow_ended(first, x[i], p[i]), spow_ended(second, x[i], p[i])
+
+    rng = np.random.default_rng(9)
+    n = 60_000
+    x = 10.0 ** rng.uniform(-12.0, 6.0, n) * rng.choice([-1.0, 1.0], n)
+    p, out = rng.uniform(1e-3, 3.0, n), np.empty((2, n))
+    exact = np.copysign(np.abs(x) ** p, x)
+    unusual = [0.0, -0.0, 5e-324, -1e-310, 1e300, math.inf, -math.inf, math.nan]
+    for other in (rng.normal(size=n), rng.choice(unusual, n)):
+        pairs(x, p, other, out)
+        assert np.max(np.abs(out / exact - 1.0)) < 2e-14
+    assert spows_begun(-8.0, 1 / 3, 9.0, 0.5) == (spow_begun(-8.0, 1 / 3), spow_begun(9.0, 0.5))
 
 
 def test_a_power_of_1_is_its_base_whatever_was_begun() -> None:

@@ -126,7 +126,7 @@ def spow_ended(begun: float, x: float, p: float) -> float:  # noqa: ARG001  # co
     Parameters
     ----------
     begun : float
-        `spow_begun` of the same base and exponent.
+        `spow_begun` of the same base and exponent, or what `spows_begun` gives for them.
     x : float
         Base.
     p : float
@@ -135,7 +135,7 @@ def spow_ended(begun: float, x: float, p: float) -> float:  # noqa: ARG001  # co
     Returns
     -------
     float
-        ⌈x⌋^p, the number that `spow` gives.
+        ⌈x⌋^p, as from `spow`.
 
     Examples
     --------

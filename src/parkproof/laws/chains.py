@@ -25,7 +25,7 @@ def ended_error(begun: float, u: float, power: float, offset: float) -> float:
     Parameters
     ----------
     begun : float
-        `parkproof.scalar.spow_begun` of u and power.
+        `parkproof.scalar.spow_begun` of u and power, or what `parkproof.scalar.spows_begun` gives.
     u : float
         Last state of the chain.
     power, offset : float

@@ -42,19 +42,19 @@ def predicted(
 
 @scalar
 def with_direct(tau2: float, direct: float, p: LawParameters) -> float:
-    """Input τ2 of a channel's law with an input added as it is, clipped at ``tau_max2``.
+    """Input τ2 of a channel's law with an input added as it is.
 
     Parameters
     ----------
     tau2, direct : float
-        Both inputs; at most one of them is not 0.
+        Both inputs, the first clipped at ``tau_max2`` already; at most one of them is not 0.
     p : LawParameters
         Gains and bounds.
 
     Returns
     -------
     float
-        τ2.
+        τ2, clipped at ``tau_max2``.
 
     Examples
     --------

@@ -160,8 +160,9 @@ def replace_primitives() -> None:
         return spow_begun(x1, p1), spow_begun(x2, p2)
 
     def two_begun_of(x1: Any, p1: Any, x2: Any, p2: Any) -> Any:
-        # singles are found without a division
-        return two_begun if x1 == p1 == x2 == p2 == types.float32 else _begun_polynomials
+        # logarithms of singles take no division
+        single = x1 == p1 == types.float32 or x2 == p2 == types.float32
+        return two_begun if single else _begun_polynomials
 
     def ended_of(begun: Any, x: Any, p: Any) -> Any:
         return ended_single if begun == x == p == types.float32 else _ended_polynomial

@@ -49,7 +49,7 @@ def device_kernel(
             law_name, implicit=implicit, exact=exact, robot=robot, camera=camera, held=as_they_are
         )
     )
-    rows, steps, signals = len(buffer.ROWS), buffer.STEPS, buffer.SIGNALS
+    rows, listed, signals = len(buffer.ROWS), buffer.LISTED, buffer.SIGNALS
     s0, chart, step, way, before = buffer.S0, buffer.CHART, buffer.STEP, buffer.WAY, buffer.BEFORE
     low0, high0, end0, ended_at = buffer.LOW0, buffer.HIGH0, buffer.END0, buffer.ENDED_AT
     turn_square, mean = buffer.TURN_SQUARE, buffer.MEAN
@@ -62,13 +62,11 @@ def device_kernel(
         i = cuda.grid(1)
         if i < out.shape[1]:
             b = cuda.local.array(rows, float64)
-            counts = cuda.local.array(steps, int64)
-            groups = cuda.local.array((steps, 1), int64)
+            groups = cuda.local.array(listed, int64)
             for row in range(rows):
                 b[row] = 0.0
-            for row in range(steps):
-                counts[row] = 0
-                groups[row, 0] = 0
+            for row in range(listed):
+                groups[row] = 0
             for row in range(5):
                 b[s0 + row] = state[row, i]
             b[chart], b[step], b[way] = in_chart[i], before, 1.0
@@ -81,7 +79,7 @@ def device_kernel(
             trace = cuda.local.array((1, 1), float64)  # nothing is kept in it
             here = slice(i, i + 1)
             carry_out(
-                p, clock, limits, sensing, b, ring[:, :, here], counts, groups, tones[:, i], kinds,
+                p, clock, limits, sensing, b, ring[:, :, here], groups, tones[:, i], kinds,
                 adversary[:, i], keys[:, here], cameras[:, here], out[:, here], trace,
             )  # fmt: skip
 

@@ -48,7 +48,7 @@ from .buffer import (
     WAY,
 )
 from .metrics import can_go_on, end_beyond_limits, hand_in, mark_ends, measure, note_step
-from .order import arrange, find_steps
+from .order import arrange, find_steps, group_of
 from .parts import parts_of
 from .plant import push, state_at
 from .sensor import end_unseen, is_misled, is_unseen
@@ -98,37 +98,35 @@ def trials_of_a_block(
     find_inputs = form.find_inputs
     must_be_seen = not known and not turns
     can_be_misled = robot == "chained" and not exact
-    always_in_chart = robot == "chained"  # others can turn beyond ±90° in any step
+    steps_in_chart = robot == "chained"  # but for Step 0; others can turn beyond ±90° in any
     begin, look, pose, settle, pictured, gain, act, go, idle = parts_of(
         robot, camera=camera, exact=exact, euler=euler
     )
     keep_samples = trace_lane if traced else no_trace
 
     @inlined
-    def switch_from(b, step, count, firsts, t, cameras, limits, p):
-        """Next step of lanes in one step, which is the same unless there is more to do."""
-        for i in range(count):
-            first = firsts[i] & (BLOCK - GROUP)  # so that the compiler sees that it is an index
+    def switch_from(b, step, groups, t, cameras, limits, p):
+        """Next step of lanes in one step, or that they cannot go on."""
+        for i in range(groups[int(step)]):
+            first = group_of(groups, step, i)
             for j in range(first, first + GROUP):
                 x0, x1, x2, u0, u1 = state_at(b, j, seen)
                 after = law_switch(step, b[WAY + j], t, x0, x1, x2, u0, u1, p)
                 here = b[STEP + j] == step
-                charted = always_in_chart or b[CHART + j] == 1.0
+                charted = steps_in_chart or b[CHART + j] == 1.0
                 going = can_go_on(b, cameras, j, charted, limits, turns, pictured)
                 going = going and not (must_be_seen and is_unseen(b, j))
-                # kept as a row of numbers: to count them here would take a sum across a register
                 put_if(b, NEXT + j, here, after if going else ASK)
 
     @inlined
-    def turning_from(b, count, firsts, cameras, limits, p):
+    def turning_from(b, groups, cameras, limits, p):
         """Ask for lanes that may have turned far enough, or cannot go on."""
-        for i in range(count):
-            first = firsts[i] & (BLOCK - GROUP)
+        for i in range(groups[0]):
+            first = group_of(groups, 0.0, i)
             for j in range(first, first + GROUP):
                 theta, v, omega = pose(b, j)
                 more = turned(theta, v, omega, p) or abs(b[S2 + j]) >= math.pi
-                charted = b[CHART + j] == 1.0
-                more = more or not can_go_on(b, cameras, j, charted, limits, turns, pictured)
+                more = more or not can_go_on(b, cameras, j, False, limits, turns, pictured)
                 put_if(b, NEXT + j, b[STEP + j] == 0.0, ASK if more else 0.0)
 
     @inlined
@@ -155,7 +153,7 @@ def trials_of_a_block(
                 if can_be_misled and is_misled(b, j):
                     b[ENDING + j] = LEFT_CHART
                     misled += 1
-                elif b[NEXT + j] != b[STEP + j]:
+                elif b[NEXT + j] >= 0.0 and b[NEXT + j] != b[STEP + j]:
                     note_step(b, j, t)
                     settle(b, j)
                     if b[STEP + j] == 1.0:
@@ -163,7 +161,7 @@ def trials_of_a_block(
         return misled
 
     def carry_out(
-        p, clock, limits, sensing, b, ring, counts, groups, tones, kinds, adversary, keys, cameras,
+        p, clock, limits, sensing, b, ring, groups, tones, kinds, adversary, keys, cameras,
         out, trace,
     ):  # fmt: skip
         p = held(p)
@@ -176,12 +174,13 @@ def trials_of_a_block(
         for k in range(clock.samples + 1):
             t = k * clock.period
             look(b, cameras, ring, k, sensing, keys)
-            switch_from(b, 1.0, counts[1], groups[1], t, cameras, limits, p)
-            switch_from(b, 2.0, counts[2], groups[2], t, cameras, limits, p)
-            switch_from(b, 3.0, counts[3], groups[3], t, cameras, limits, p)
-            switch_from(b, 4.0, counts[4], groups[4], t, cameras, limits, p)
+            switch_from(b, 1.0, groups, t, cameras, limits, p)
+            switch_from(b, 2.0, groups, t, cameras, limits, p)
+            switch_from(b, 3.0, groups, t, cameras, limits, p)
+            switch_from(b, 4.0, groups, t, cameras, limits, p)
             if turns:
-                turning_from(b, counts[0], groups[0], cameras, limits, p)
+                turning_from(b, groups, cameras, limits, p)
+            # looked for here, for all at once: to count above would take sums across registers
             more = k == 0
             for j in range(BLOCK):
                 more |= b[NEXT + j] != b[STEP + j]
@@ -194,25 +193,25 @@ def trials_of_a_block(
                     running -= hand_in(b, t, False, out, idle)
                 if BLOCK > 1:  # one lane alone has nothing to sort, and need not compile it
                     arrange(b, ring, tones, kinds, adversary, keys, cameras)
-                find_steps(b, counts, groups)
-            find_inputs(b, counts, groups, seen, pose, turns, p, law_channels, law_direct)
+                find_steps(b, groups)
+            find_inputs(b, groups, seen, pose, turns, p, law_channels, law_direct)
             if k == 0:
                 for j in range(BLOCK):
                     b[TAU1 + j], b[TAU2 + j] = b[NEW1 + j], b[NEW2 + j]
-            heading = not always_in_chart or counts[0] > 0
-            measure(b, t >= clock.residual_from, counts[4] > 0, heading, gain)
+            outside = not steps_in_chart or groups[0] > 0
+            measure(b, t >= clock.residual_from, groups[4] > 0, outside, gain)
             keep_samples(b, trace, k, gain)
             ended = end_beyond_limits(b, limits, gain) if limited else 0
             last = k == clock.samples
             if ended > 0 or last:
                 running -= hand_in(b, t, last, out, idle)
-                find_steps(b, counts, groups)  # they stay where they are until the next change
+                find_steps(b, groups)  # they stay where they are until the next change
             if running == 0:
                 break
             if opposed:
                 push(b, adversary)
             act(b, clock.period)
             step = (k + 1) * clock.period - t
-            go(b, cameras, counts[0] > 0, tones, kinds, t, step, clock.plant_steps, k)
+            go(b, cameras, groups[0] > 0, tones, kinds, t, step, clock.plant_steps, k)
 
     return carry_out

@@ -12,9 +12,12 @@ where this package is loaded again for graphics processors (`parkproof.simulatio
 GROUP = min(8, BLOCK)
 """Lanes that go through a law together: those of one vector register."""
 
-SLOT_ROWS = min(4, BLOCK)
-"""Rows that hold a number for each lane of each group in each of its steps of a law: four at most,
-the turn aside."""
+GROUPS = BLOCK // GROUP
+"""Groups of a block."""
+
+OWN_ROWS = min(4, BLOCK)
+"""Rows of a number that each of the four steps after the turn has for itself: a group with lanes in
+several of them goes through each. A block of one lane is in one step at a time."""
 
 DIVERGED, OUT_OF_VIEW, LEFT_CHART, INPUT_LIMIT, SPEED_LIMIT = 1.0, 2.0, 3.0, 4.0, 5.0
 """Codes of the row ``ended``; 0 where a trial ran to its end."""
@@ -44,8 +47,8 @@ ROWS = (
         "size", "power", "offset", "outer", "surface", "side", "distance",
         "low", "high", "at_low", "at_high", "last", "at", "open",
     )),
-    # what the explicit form has begun, group by group and step by step
-    *(f"{name}_{i}" for name in ("begun1", "begun2", "error1", "error2") for i in range(SLOT_ROWS)),
+    # what the explicit form has begun, for each step
+    *(f"{name}_{i}" for name in ("begun1", "begun2", "error1", "error2") for i in range(OWN_ROWS)),
 )  # fmt: skip
 """Rows of a block's buffer. One buffer, so that the compiler sees that rows never overlap."""
 
@@ -93,17 +96,22 @@ GAMMA1, GAMMA2, PHI1, PHI2, ALPHA1, ALPHA2, B2 = range(0, BLOCK * SIGNALS, BLOCK
 CHANNELS = _REST[4 * SIGNALS + 14] - SIZE
 """How far the second channel's rows of a search lie behind those of the first, given above."""
 
-BEGUN1, BEGUN2, ERROR1, ERROR2 = _REST[4 * SIGNALS + 28 :: SLOT_ROWS]
-"""Where the rows of each begin that the explicit form fills group by group and step by step."""
+BEGUN1, BEGUN2, ERROR1, ERROR2 = _REST[4 * SIGNALS + 28 :: OWN_ROWS]
+"""Where the rows of each begin that the explicit form has for each step."""
 
 STEPS = 5
 """Steps of a law: turn, run-up, approach, return, hold."""
+
+LISTED = STEPS * (1 + GROUPS)
+"""Whole numbers that say which groups have lanes in which step: how many for each step, then which
+(`parkproof.simulation.lanes.order.group_of`)."""
 
 BEFORE = -1.0
 """In the row ``step``: the law has not begun."""
 
 ASK = -2.0
-"""In the row ``next``: ask why the lane cannot go on, or whether its turn is done."""
+"""In the row ``next``: a lane that cannot go on, or one that may have turned far enough or beyond
+half a turn. Such are looked at one by one."""
 
 UNUSED, SINES, SQUARES = 0, 1, 2
 """What the lanes of a block have of a tone: nothing, sines at most, or square waves, too."""

@@ -2,8 +2,9 @@
 
 Most channels slide along their surface, and have nothing to seek; a group of lanes looks for the
 ends of its channels until the last of them is found, and none is sought further than alone.
-Compiled code: ``b`` is the buffer of `parkproof.simulation.lanes.buffer`, ``seen`` the first of the
-five rows that controllers are given.
+Compiled code: ``b`` is the buffer of `parkproof.simulation.lanes.buffer`, ``groups`` what
+`parkproof.simulation.lanes.order.find_steps` lists, ``seen`` the first of the five rows that
+controllers are given.
 """
 
 from parkproof.laws.inputs import implicit_answers, predicted, with_direct
@@ -41,6 +42,7 @@ from .buffer import (
     SURFACE,
     WAY,
 )
+from .order import group_of
 from .plant import state_at
 from .updates import put_if, put_two_if
 
@@ -60,10 +62,10 @@ def put(b, j, here, channel, u, phi, kappa):
 
 
 @inlined
-def prepare(b, step, count, firsts, seen, p, law_channels):
+def prepare(b, step, groups, seen, p, law_channels):
     """Laws and surfaces of both channels of the lanes in a step."""
-    for i in range(count):
-        first = firsts[i] & (BLOCK - GROUP)  # so that the compiler sees that it is an index
+    for i in range(groups[int(step)]):
+        first = group_of(groups, step, i)
         for j in range(first, first + GROUP):
             x0, x1, x2, u0, u1 = state_at(b, j, seen)
             y0, y1, y2 = predicted(x0, x1, x2, u0, u1, p)
@@ -74,10 +76,10 @@ def prepare(b, step, count, firsts, seen, p, law_channels):
 
 
 @inlined
-def prepare_turn(b, count, firsts, pose, p):
+def prepare_turn(b, groups, pose, p):
     """Laws and surfaces of both channels of lanes that turn."""
-    for i in range(count):
-        first = firsts[i] & (BLOCK - GROUP)
+    for i in range(groups[0]):
+        first = group_of(groups, 0.0, i)
         for j in range(first, first + GROUP):
             theta, v, omega = pose(b, j)
             one, two = turn_channels(theta + p.lookahead * omega, p)
@@ -146,10 +148,10 @@ def end_of(b, j):
 
 
 @inlined
-def answer(b, step, count, firsts, seen, p, law_direct):
+def answer(b, step, groups, seen, p, law_direct):
     """Inputs of the lanes in a step."""
-    for i in range(count):
-        first = firsts[i] & (BLOCK - GROUP)
+    for i in range(groups[int(step)]):
+        first = group_of(groups, step, i)
         for j in range(first, first + GROUP):
             x0, x1, x2, u0, u1 = state_at(b, j, seen)
             end1, end2 = end_of(b, j), end_of(b, j + CHANNELS)
@@ -161,10 +163,10 @@ def answer(b, step, count, firsts, seen, p, law_direct):
 
 
 @inlined
-def answer_turn(b, count, firsts, pose, p):
+def answer_turn(b, groups, pose, p):
     """Inputs of lanes that turn."""
-    for i in range(count):
-        first = firsts[i] & (BLOCK - GROUP)
+    for i in range(groups[0]):
+        first = group_of(groups, 0.0, i)
         for j in range(first, first + GROUP):
             _, v, omega = pose(b, j)
             end1, end2 = end_of(b, j), end_of(b, j + CHANNELS)
@@ -174,18 +176,18 @@ def answer_turn(b, count, firsts, pose, p):
 
 
 @inlined
-def find_inputs(b, counts, groups, seen, pose, turns, p, law_channels, law_direct):
+def find_inputs(b, groups, seen, pose, turns, p, law_channels, law_direct):
     """Find the inputs of all lanes; steps are written out, so that the compiler knows each."""
     if turns:
-        prepare_turn(b, counts[0], groups[0], pose, p)
-    prepare(b, 1.0, counts[1], groups[1], seen, p, law_channels)
-    prepare(b, 2.0, counts[2], groups[2], seen, p, law_channels)
-    prepare(b, 3.0, counts[3], groups[3], seen, p, law_channels)
-    prepare(b, 4.0, counts[4], groups[4], seen, p, law_channels)
+        prepare_turn(b, groups, pose, p)
+    prepare(b, 1.0, groups, seen, p, law_channels)
+    prepare(b, 2.0, groups, seen, p, law_channels)
+    prepare(b, 3.0, groups, seen, p, law_channels)
+    prepare(b, 4.0, groups, seen, p, law_channels)
     solve(b)
     if turns:
-        answer_turn(b, counts[0], groups[0], pose, p)
-    answer(b, 1.0, counts[1], groups[1], seen, p, law_direct)
-    answer(b, 2.0, counts[2], groups[2], seen, p, law_direct)
-    answer(b, 3.0, counts[3], groups[3], seen, p, law_direct)
-    answer(b, 4.0, counts[4], groups[4], seen, p, law_direct)
+        answer_turn(b, groups, pose, p)
+    answer(b, 1.0, groups, seen, p, law_direct)
+    answer(b, 2.0, groups, seen, p, law_direct)
+    answer(b, 3.0, groups, seen, p, law_direct)
+    answer(b, 4.0, groups, seen, p, law_direct)

@@ -15,7 +15,7 @@ from parkproof.laws.controller import RobotKind
 from parkproof.simulation.compiler import KERNEL
 
 from .block import trials_of_a_block
-from .buffer import BLOCK, GROUP, STEPS, LaneLimits
+from .buffer import BLOCK, LISTED, LaneLimits
 from .first import all_tones, first_buffer, kinds_of, with_times_below
 from .kept import keep
 from .memory import Buffer, Parameters, on_the_stack
@@ -94,12 +94,12 @@ def _kernel_of(law_name: str, *, exact: bool, single: bool, **kind: Any) -> Call
     ):  # fmt: skip
         b, all_of = first_buffer(state, in_chart, mean, scale_mean), all_tones(tones, scale_tones)
         ring = np.empty((1 if exact else sensing.delay + 1, 6, BLOCK), number)
-        counts, groups = np.zeros(STEPS, np.int64), np.zeros((STEPS, BLOCK // GROUP), np.int64)
+        groups = Buffer(np.zeros(LISTED), whole=True)
         deviations = tuple(number(deviation) for deviation in sensing.deviations)
         numbers = Parameters(with_times_below(p) if single else p, single=single)
         kernel(
             numbers, clock, LaneLimits(*map(number, limits)),
-            sensing._replace(deviations=deviations), Buffer(b, single=single), ring, counts, groups,
+            sensing._replace(deviations=deviations), Buffer(b, single=single), ring, groups,
             Buffer(all_of, single=single), kinds_of(all_of), Buffer(adversary, single=single),
             keys.copy(), cameras.astype(number), out, trace,
         )  # fmt: skip

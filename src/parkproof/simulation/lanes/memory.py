@@ -24,6 +24,7 @@ from numba.extending import (
     typeof_impl,
     unbox,
 )
+from numba.np.numpy_support import as_dtype
 
 from parkproof.laws.parameters import LawParameters
 from parkproof.simulation.compiler import replace
@@ -38,7 +39,7 @@ should not lie in two lines."""
 class BufferType(types.Type):
     """Type of a buffer in compiled code: any whole number indexes it, and none is checked."""
 
-    def __init__(self, number: types.Float) -> None:
+    def __init__(self, number: types.Number) -> None:
         self.number = number
         super().__init__(name=f"Buffer({number})")
 
@@ -95,6 +96,7 @@ def read(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 
 
 @lower_builtin(operator.setitem, BufferType, types.Integer, types.Float)
+@lower_builtin(operator.setitem, BufferType, types.Integer, types.Integer)
 def write(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     """Store a number in a buffer."""
     buffer, index, number = args
@@ -182,6 +184,8 @@ class Handle:
         Or a tuple of them.
     single : bool
         Whether to keep them in single precision.
+    whole : bool
+        Whether to keep them as whole numbers.
 
     Examples
     --------
@@ -189,9 +193,9 @@ class Handle:
     array([1., 2.])
     """
 
-    def __init__(self, numbers: Any, *, single: bool = False) -> None:
-        self.number = types.float32 if single else types.float64
-        given = np.asarray(numbers, dtype=np.float32 if single else np.float64)
+    def __init__(self, numbers: Any, *, single: bool = False, whole: bool = False) -> None:
+        self.number = types.int64 if whole else (types.float32 if single else types.float64)
+        given = np.asarray(numbers, dtype=as_dtype(self.number))
         room = np.empty(given.nbytes + LINE, np.uint8)
         begin = -room.ctypes.data % LINE
         self.numbers = room[begin : begin + given.nbytes].view(given.dtype).reshape(given.shape)

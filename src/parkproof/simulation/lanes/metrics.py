@@ -177,11 +177,11 @@ def measure_states(b, all_charted, gain):
 
 
 @inlined
-def measure(b, late, holding, heading, gain):
+def measure(b, late, holding, outside, gain):
     """Update the metrics of all lanes; the new inputs become those in force.
 
-    ``heading`` says whether any is outside the chart, and ``gain`` gives β, from the robot's turn
-    rate to that of its heading.
+    ``outside`` says whether any may be outside the chart, and ``gain`` gives β, from the robot's
+    turn rate to that of its heading.
     """
     for j in range(BLOCK):
         tau1, tau2 = b[NEW1 + j], b[NEW2 + j]
@@ -193,7 +193,7 @@ def measure(b, late, holding, heading, gain):
         add_to(b, VARIATION1, j, change1)
         add_to(b, VARIATION2, j, change2)
         b[TAU1 + j], b[TAU2 + j] = tau1, tau2
-    if heading:
+    if outside:
         measure_states(b, False, gain)
     else:
         measure_states(b, True, gain)
@@ -208,7 +208,7 @@ def measure(b, late, holding, heading, gain):
             raise_to(b, RESIDUAL0 + j, abs(b[S0 + j]))
             raise_to(b, RESIDUAL1 + j, abs(b[S1 + j]))
             raise_to(b, RESIDUAL2 + j, abs(b[S2 + j]))
-    if heading:
+    if outside:
         for j in range(BLOCK):
             third = abs(b[S2 + j])
             theta = 0.0 if b[CHART + j] == 1.0 else third

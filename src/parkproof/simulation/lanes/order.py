@@ -9,7 +9,7 @@ Compiled code: ``b`` is the buffer of `parkproof.simulation.lanes.buffer`.
 
 from parkproof.simulation.compiler import inlined
 
-from .buffer import BLOCK, GROUP, ROWS, STEP, STEPS, TONE_ROWS
+from .buffer import BLOCK, GROUP, GROUPS, ROWS, STEP, STEPS, TONE_ROWS
 
 ROW_COUNT = len(ROWS)
 
@@ -60,15 +60,22 @@ def arrange(b, ring, tones, kinds, adversary, keys, cameras):
 
 
 @inlined
-def find_steps(b, counts, groups):
+def find_steps(b, groups):
     """List the groups of lanes in which a step is in force, for each of the five steps."""
     for step in range(STEPS):
-        counts[step] = 0
+        groups[step] = 0
     for first in range(0, BLOCK, GROUP):
         here = 0
         for j in range(first, first + GROUP):
             here |= 1 << int(b[STEP + j])
         for step in range(STEPS):
             if here & (1 << step):
-                groups[step, counts[step]] = first
-                counts[step] += 1
+                groups[STEPS + step * GROUPS + groups[step]] = first
+                groups[step] += 1
+
+
+@inlined
+def group_of(groups, step, i):
+    """Give the first lane of one of the groups that have lanes in a step."""
+    # so that the compiler sees that it is an index
+    return groups[STEPS + int(step) * GROUPS + i] & (BLOCK - GROUP)
