@@ -14,12 +14,14 @@ versions that the package asks for.
 """
 
 import gc
+import operator
 from typing import Any
 
 from llvmlite.binding import create_pass_builder, create_pipeline_tuning_options
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.compiler_machinery import PassManager, register_pass
+from numba.core.lowering import Lower
 from numba.core.typed_passes import NativeLowering
 
 from parkproof.simulation.instructions import Instructions
@@ -104,11 +106,47 @@ class KernelLibrary(_AsTranslated):
         builder.getModulePassManager().run(self._final_module, builder)
 
 
+_CALLS: dict[Any, Any] = {}
+"""Signatures of calls, until a kernel is compiled; guarded by numba's lock of its compiler."""
+
+_OPERATORS: dict[Any, Any] = {}
+"""What operators become for types of operands, until a kernel is compiled; guarded likewise."""
+
+
+class Operators(Lower):
+    """Translates operators, looking only once for what each becomes for the same types.
+
+    Each time numba looks first for forms that know an operand, which only powers have, and then
+    finds the types again; that takes longer than all the rest of a translation.
+    """
+
+    def lower_binop(self, resty: Any, expr: Any, op: Any) -> Any:
+        """Code of an operator with two operands."""
+        if op in (operator.pow, operator.ipow):
+            return super().lower_binop(resty, expr, op)
+        context, signature = self.context, self.fndesc.calltypes[expr]
+        operands = [
+            context.cast(self.builder, self.loadvar(each.name), self.typeof(each.name), wanted)
+            for each, wanted in zip((expr.lhs, expr.rhs), signature.args, strict=True)
+        ]
+        if (op, signature.args) not in _OPERATORS:
+            function = context.typing_context.resolve_value_type(op)
+            found = function.get_call_type(context.typing_context, signature.args, {})
+            _OPERATORS[op, signature.args] = context.get_function(function, found)
+        result = _OPERATORS[op, signature.args](self.builder, operands)
+        return context.cast(self.builder, result, signature.return_type, resty)
+
+
 @register_pass(mutates_CFG=True, analysis_only=False)
 class LowerInlined(NativeLowering):
     """Translate a function that is only inlined."""
 
     _name = "parkproof_lower_inlined"
+
+    @property
+    def lowering_class(self) -> Any:
+        """What translates its statements."""
+        return Operators
 
     def run_pass(self, state: Any) -> Any:
         """Lower into a library that is only linked."""
@@ -121,6 +159,11 @@ class LowerKernel(NativeLowering):
     """Translate a kernel."""
 
     _name = "parkproof_lower_kernel"
+
+    @property
+    def lowering_class(self) -> Any:
+        """What translates its statements."""
+        return Operators
 
     def run_pass(self, state: Any) -> Any:
         """Lower into a library that is optimised once, and can be kept on disk."""
@@ -144,10 +187,6 @@ def _pipeline(state: Any, lowering: type) -> PassManager:
         raise RuntimeError("this version of numba has other passes than simulation/inlining.py")
     manager.finalize()
     return manager
-
-
-_CALLS: dict[Any, Any] = {}
-"""Signatures of calls, until a kernel is compiled; guarded by numba's lock of its compiler."""
 
 
 class _Remembering:
@@ -209,5 +248,6 @@ class KernelCompiler(_Compiler):
             return super().compile_extra(func)
         finally:
             _CALLS.clear()
+            _OPERATORS.clear()
             if searching:
                 gc.enable()
