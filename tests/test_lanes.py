@@ -404,6 +404,29 @@ def test_a_lane_does_not_depend_on_the_number_of_threads(
     assert same(simulate_ensemble(crowd, threads=3), crowd_results, slice(None)) == []
 
 
+@pytest.mark.parametrize(
+    ("limits", "outcome"),
+    [
+        (Limits(view=(0.3, 3.0, -2.0, 2.0)), Outcome.OUT_OF_VIEW),
+        (Limits(speed=1.3), Outcome.SPEED_LIMIT),
+    ],
+)
+def test_lanes_that_ended_leave_the_others_alone(
+    section4: Make, limits: Limits, outcome: Outcome
+) -> None:
+    """They idle at the goal, here out of view, and where they are when a limit ends them."""
+    rng = np.random.default_rng(8)
+    given = [
+        section4(start=Start(pose=tuple(pose)), limits=limits, duration=0.8, **COARSE)
+        for pose in rng.uniform([0.5, -1.0, -0.6], [2.0, 1.0, 0.6], (40, 3))
+    ]
+    together = simulate_ensemble(given)
+    ended = [found is outcome for found in together["outcome"]]
+    assert 5 < sum(ended) < 40, sorted(together["ended"])
+    for i, scenario in enumerate(given):
+        assert same(simulate_ensemble([scenario]), together, [i]) == [], i
+
+
 def test_a_lane_s_plant_step_is_its_own(section4: Make) -> None:
     """Square waves need smaller steps, whatever the company needs."""
     given = [section4(truth=name, duration=1.0) for name in ("sines", "squares", "sines")]

@@ -21,9 +21,9 @@ from parkproof.proof.checker.links import Homogeneous, Link, PowerIntegrator
 from parkproof.proof.checker.parts import Box, GapError, Law, Links, Peaks, Uncertainty
 from parkproof.proof.checker.starts import boxes, directions
 from parkproof.proof.checker.whole_run import gain_range, run_bounds, run_up
+from parkproof.proof.law_section import law_section
 from parkproof.proof.lmi import HomogeneousGains, homogeneous_gains
 from parkproof.proof.scaling import ThreeChainForm, TwoChainForm
-from parkproof.proof.whole_run import law_section
 from parkproof.spec import Spec
 
 RUN_UP_TIME = 0.15

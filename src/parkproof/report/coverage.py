@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from parkproof.proof.whole_run import law_section
+from parkproof.proof.law_section import law_section
 from parkproof.report.measured import bounds_of
 from parkproof.scenario import Scenario
 from parkproof.simulation.outcome import Outcome
