@@ -114,14 +114,14 @@ def test_two_powers_that_share_a_division_are_as_exact_whatever_the_other_is() -
 
     rng = np.random.default_rng(9)
     n = 60_000
-    x = 10.0 ** rng.uniform(-12.0, 6.0, n) * rng.choice([-1.0, 1.0], n)
-    p, out = rng.uniform(1e-3, 3.0, n), np.empty((2, n))
-    exact = np.copysign(np.abs(x) ** p, x)
+    p, out = rng.uniform(1e-3, 1.0, n), np.empty((2, n))
     unusual = [0.0, -0.0, 5e-324, -1e-310, 1e300, math.inf, -math.inf, math.nan]
-    for other in (rng.normal(size=n), rng.choice(unusual, n)):
-        pairs(x, p, other, out)
-        assert np.max(np.abs(out / exact - 1.0)) < 2e-14
-    assert spows_begun(-8.0, 1 / 3, 9.0, 0.5) == (spow_begun(-8.0, 1 / 3), spow_begun(9.0, 0.5))
+    for least, error in ((-12.0, 2e-14), (-300.0, 2e-13)):
+        x = 10.0 ** rng.uniform(least, 6.0, n) * rng.choice([-1.0, 1.0], n)
+        exact = np.copysign(np.abs(x) ** p, x)
+        for other in (rng.normal(size=n), rng.choice(unusual, n)):
+            pairs(x, p, other, out)
+            assert np.max(np.abs(out / exact - 1.0)) < error
 
 
 def test_a_power_of_1_is_its_base_whatever_was_begun() -> None:
@@ -414,7 +414,7 @@ def test_a_lane_does_not_depend_on_the_number_of_threads(
 def test_lanes_that_ended_leave_the_others_alone(
     section4: Make, limits: Limits, outcome: Outcome
 ) -> None:
-    """They idle at the goal, here out of view, and where they are when a limit ends them."""
+    """They idle at the goal, in one case out of view, among lanes of other steps."""
     rng = np.random.default_rng(8)
     given = [
         section4(start=Start(pose=tuple(pose)), limits=limits, duration=0.8, **COARSE)

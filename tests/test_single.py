@@ -171,7 +171,7 @@ def test_a_long_sum_in_singles_does_not_fall_behind() -> None:
 
     for single, allowed in ((True, 1e-6), (False, 1e-9)):
         room = np.zeros(BLOCK * len(ROWS))
-        buffer = Buffer(room, single=single)
+        buffer = Buffer(room, dtype=np.float32 if single else np.float64)
         fill(buffer, 3_000_000)
         assert buffer.numbers[PATH] == pytest.approx(300.0, rel=allowed)
 

@@ -36,7 +36,7 @@ def test_compiled_updates_are_the_plain_ones(single: bool) -> None:
     rng = np.random.default_rng(8)
     for _ in range(20):
         given = rows(rng)
-        buffer = Buffer(given.ravel(), single=single)
+        buffer = Buffer(given.ravel(), dtype=np.float32 if single else np.float64)
         update(buffer)
         plain = given.ravel().copy()
         update.py_func(plain)
@@ -46,7 +46,7 @@ def test_compiled_updates_are_the_plain_ones(single: bool) -> None:
 
 def code_of(compiled: Any) -> str:
     """Machine code for doubles."""
-    compiled(Buffer(np.zeros(4 * LANES), single=False))
+    compiled(Buffer(np.zeros(4 * LANES)))
     (code,) = (text for kind, text in compiled.inspect_asm().items() if "float64" in str(kind))
     return str(code)
 

@@ -109,7 +109,7 @@ def spows_begun(x1: float, p1: float, x2: float, p2: float) -> tuple[float, floa
     Returns
     -------
     tuple of 2 floats
-        For `spow_ended`, `spow_begun` of each, in compiled lanes but for rounding.
+        `spow_begun` of each; in compiled lanes they may be rounded otherwise.
 
     Examples
     --------

@@ -80,7 +80,7 @@ def begun_errors(one: ChannelLaw, two: ChannelLaw, u0: float, u1: float) -> tupl
     Returns
     -------
     tuple of 2 floats
-        Of `parkproof.scalar.spows_begun`.
+        First halves of both powers, from `parkproof.scalar.spows_begun`.
 
     Examples
     --------
@@ -139,7 +139,7 @@ def begun_answers(
     Returns
     -------
     tuple of 2 floats
-        Of `parkproof.scalar.spows_begun`.
+        First halves of both powers, from `parkproof.scalar.spows_begun`.
 
     Examples
     --------

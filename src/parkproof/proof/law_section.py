@@ -1,6 +1,7 @@
 """What a certificate says of the law that it speaks of.
 
-Reports hold scenarios against it where nothing is proved, so it needs no ball arithmetic.
+Reports compare scenarios with certificates without proving anything, so this needs no ball
+arithmetic.
 """
 
 from typing import Any

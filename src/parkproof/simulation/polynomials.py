@@ -95,7 +95,7 @@ def _begun_polynomial(x: float, p: float) -> float:
 
 
 def _begun_polynomials(x1: float, p1: float, x2: float, p2: float) -> tuple[float, float]:
-    """p·log2|x| of two numbers, by one division, which takes a processor as long as all the rest.
+    """p·log2|x| of two numbers, by one division, the slowest instruction of a logarithm.
 
     m lies in [√½, √2) whatever the bits of x are, so that neither spoils the other's quotient.
     """

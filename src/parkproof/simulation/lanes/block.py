@@ -48,7 +48,7 @@ from .buffer import (
     WAY,
 )
 from .metrics import can_go_on, end_beyond_limits, hand_in, mark_ends, measure, note_step
-from .order import arrange, find_steps, group_of
+from .order import arrange, count_of, find_steps, group_of
 from .parts import parts_of
 from .plant import push, state_at
 from .sensor import end_unseen, is_misled, is_unseen
@@ -98,7 +98,7 @@ def trials_of_a_block(
     find_inputs = form.find_inputs
     must_be_seen = not known and not turns
     can_be_misled = robot == "chained" and not exact
-    steps_in_chart = robot == "chained"  # but for Step 0; others can turn beyond ±90° in any
+    steps_in_chart = robot == "chained"  # other robots can turn beyond ±90° in any step
     begin, look, pose, settle, pictured, gain, act, go, idle = parts_of(
         robot, camera=camera, exact=exact, euler=euler
     )
@@ -107,7 +107,7 @@ def trials_of_a_block(
     @inlined
     def switch_from(b, step, groups, t, cameras, limits, p):
         """Next step of lanes in one step, or that they cannot go on."""
-        for i in range(groups[int(step)]):
+        for i in range(count_of(groups, step)):
             first = group_of(groups, step, i)
             for j in range(first, first + GROUP):
                 x0, x1, x2, u0, u1 = state_at(b, j, seen)
@@ -121,7 +121,7 @@ def trials_of_a_block(
     @inlined
     def turning_from(b, groups, cameras, limits, p):
         """Ask for lanes that may have turned far enough, or cannot go on."""
-        for i in range(groups[0]):
+        for i in range(count_of(groups, 0.0)):
             first = group_of(groups, 0.0, i)
             for j in range(first, first + GROUP):
                 theta, v, omega = pose(b, j)
@@ -180,7 +180,7 @@ def trials_of_a_block(
             switch_from(b, 4.0, groups, t, cameras, limits, p)
             if turns:
                 turning_from(b, groups, cameras, limits, p)
-            # looked for here, for all at once: to count above would take sums across registers
+            # changes are looked for here: to count them above would take sums across registers
             more = k == 0
             for j in range(BLOCK):
                 more |= b[NEXT + j] != b[STEP + j]
@@ -198,8 +198,8 @@ def trials_of_a_block(
             if k == 0:
                 for j in range(BLOCK):
                     b[TAU1 + j], b[TAU2 + j] = b[NEW1 + j], b[NEW2 + j]
-            outside = not steps_in_chart or groups[0] > 0
-            measure(b, t >= clock.residual_from, groups[4] > 0, outside, gain)
+            outside = not steps_in_chart or count_of(groups, 0.0) > 0
+            measure(b, t >= clock.residual_from, count_of(groups, 4.0) > 0, outside, gain)
             keep_samples(b, trace, k, gain)
             ended = end_beyond_limits(b, limits, gain) if limited else 0
             last = k == clock.samples
@@ -212,6 +212,6 @@ def trials_of_a_block(
                 push(b, adversary)
             act(b, clock.period)
             step = (k + 1) * clock.period - t
-            go(b, cameras, groups[0] > 0, tones, kinds, t, step, clock.plant_steps, k)
+            go(b, cameras, count_of(groups, 0.0) > 0, tones, kinds, t, step, clock.plant_steps, k)
 
     return carry_out

@@ -15,7 +15,7 @@ GROUP = min(8, BLOCK)
 GROUPS = BLOCK // GROUP
 """Groups of a block."""
 
-OWN_ROWS = min(4, BLOCK)
+OWN_ROWS = 4 if BLOCK > 1 else 1
 """Rows of a number that each of the four steps after the turn has for itself: a group with lanes in
 several of them goes through each. A block of one lane is in one step at a time."""
 

@@ -35,7 +35,7 @@ from .buffer import (
     STEP,
     WAY,
 )
-from .order import group_of
+from .order import count_of, group_of
 from .plant import state_at
 from .updates import put_two_if
 
@@ -50,7 +50,7 @@ def own_row(step):
 def begin_errors(b, step, groups, seen, p, law_channels):
     """Begin the errors of both channels of the groups of lanes that have some in a step."""
     own = own_row(step)
-    for i in range(groups[int(step)]):
+    for i in range(count_of(groups, step)):
         first = group_of(groups, step, i)
         for j in range(first, first + GROUP):
             x0, x1, x2, u0, u1 = state_at(b, j, seen)
@@ -63,7 +63,7 @@ def begin_errors(b, step, groups, seen, p, law_channels):
 def end_errors(b, step, groups, seen, p, law_channels):
     """Find the errors."""
     own = own_row(step)
-    for i in range(groups[int(step)]):
+    for i in range(count_of(groups, step)):
         first = group_of(groups, step, i)
         for j in range(first, first + GROUP):
             x0, x1, x2, u0, u1 = state_at(b, j, seen)
@@ -77,7 +77,7 @@ def end_errors(b, step, groups, seen, p, law_channels):
 def begin_answers(b, step, groups, seen, p, law_channels):
     """Begin the answers to the errors."""
     own = own_row(step)
-    for i in range(groups[int(step)]):
+    for i in range(count_of(groups, step)):
         first = group_of(groups, step, i)
         for j in range(first, first + GROUP):
             x0, x1, x2, u0, _ = state_at(b, j, seen)
@@ -90,7 +90,7 @@ def begin_answers(b, step, groups, seen, p, law_channels):
 def end_answers(b, step, groups, seen, p, law_channels, law_direct):
     """Find the inputs of the lanes in a step."""
     own = own_row(step)
-    for i in range(groups[int(step)]):
+    for i in range(count_of(groups, step)):
         first = group_of(groups, step, i)
         for j in range(first, first + GROUP):
             x0, x1, x2, u0, u1 = state_at(b, j, seen)
@@ -106,7 +106,7 @@ def end_answers(b, step, groups, seen, p, law_channels, law_direct):
 @inlined
 def answer_turn(b, groups, pose, p):
     """Find the inputs of lanes that turn: few, and for a short while."""
-    for i in range(groups[0]):
+    for i in range(count_of(groups, 0.0)):
         first = group_of(groups, 0.0, i)
         for j in range(first, first + GROUP):
             theta, v, omega = pose(b, j)

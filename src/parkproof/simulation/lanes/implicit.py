@@ -42,7 +42,7 @@ from .buffer import (
     SURFACE,
     WAY,
 )
-from .order import group_of
+from .order import count_of, group_of
 from .plant import state_at
 from .updates import put_if, put_two_if
 
@@ -64,7 +64,7 @@ def put(b, j, here, channel, u, phi, kappa):
 @inlined
 def prepare(b, step, groups, seen, p, law_channels):
     """Laws and surfaces of both channels of the lanes in a step."""
-    for i in range(groups[int(step)]):
+    for i in range(count_of(groups, step)):
         first = group_of(groups, step, i)
         for j in range(first, first + GROUP):
             x0, x1, x2, u0, u1 = state_at(b, j, seen)
@@ -78,7 +78,7 @@ def prepare(b, step, groups, seen, p, law_channels):
 @inlined
 def prepare_turn(b, groups, pose, p):
     """Laws and surfaces of both channels of lanes that turn."""
-    for i in range(groups[0]):
+    for i in range(count_of(groups, 0.0)):
         first = group_of(groups, 0.0, i)
         for j in range(first, first + GROUP):
             theta, v, omega = pose(b, j)
@@ -150,7 +150,7 @@ def end_of(b, j):
 @inlined
 def answer(b, step, groups, seen, p, law_direct):
     """Inputs of the lanes in a step."""
-    for i in range(groups[int(step)]):
+    for i in range(count_of(groups, step)):
         first = group_of(groups, step, i)
         for j in range(first, first + GROUP):
             x0, x1, x2, u0, u1 = state_at(b, j, seen)
@@ -165,7 +165,7 @@ def answer(b, step, groups, seen, p, law_direct):
 @inlined
 def answer_turn(b, groups, pose, p):
     """Inputs of lanes that turn."""
-    for i in range(groups[0]):
+    for i in range(count_of(groups, 0.0)):
         first = group_of(groups, 0.0, i)
         for j in range(first, first + GROUP):
             _, v, omega = pose(b, j)

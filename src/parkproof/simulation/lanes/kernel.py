@@ -94,13 +94,13 @@ def _kernel_of(law_name: str, *, exact: bool, single: bool, **kind: Any) -> Call
     ):  # fmt: skip
         b, all_of = first_buffer(state, in_chart, mean, scale_mean), all_tones(tones, scale_tones)
         ring = np.empty((1 if exact else sensing.delay + 1, 6, BLOCK), number)
-        groups = Buffer(np.zeros(LISTED), whole=True)
+        groups = Buffer(np.zeros(LISTED), dtype=np.int64)
         deviations = tuple(number(deviation) for deviation in sensing.deviations)
-        numbers = Parameters(with_times_below(p) if single else p, single=single)
+        numbers = Parameters(with_times_below(p) if single else p, dtype=number)
         kernel(
             numbers, clock, LaneLimits(*map(number, limits)),
-            sensing._replace(deviations=deviations), Buffer(b, single=single), ring, groups,
-            Buffer(all_of, single=single), kinds_of(all_of), Buffer(adversary, single=single),
+            sensing._replace(deviations=deviations), Buffer(b, dtype=number), ring, groups,
+            Buffer(all_of, dtype=number), kinds_of(all_of), Buffer(adversary, dtype=number),
             keys.copy(), cameras.astype(number), out, trace,
         )  # fmt: skip
 

@@ -24,7 +24,7 @@ from numba.extending import (
     typeof_impl,
     unbox,
 )
-from numba.np.numpy_support import as_dtype
+from numba.np.numpy_support import from_dtype
 
 from parkproof.laws.parameters import LawParameters
 from parkproof.simulation.compiler import replace
@@ -182,10 +182,8 @@ class Handle:
     ----------
     numbers : array
         Or a tuple of them.
-    single : bool
-        Whether to keep them in single precision.
-    whole : bool
-        Whether to keep them as whole numbers.
+    dtype : type
+        What to keep them as: doubles, singles or 64-bit whole numbers.
 
     Examples
     --------
@@ -193,9 +191,9 @@ class Handle:
     array([1., 2.])
     """
 
-    def __init__(self, numbers: Any, *, single: bool = False, whole: bool = False) -> None:
-        self.number = types.int64 if whole else (types.float32 if single else types.float64)
-        given = np.asarray(numbers, dtype=as_dtype(self.number))
+    def __init__(self, numbers: Any, *, dtype: type[np.number[Any]] = np.float64) -> None:
+        self.number = from_dtype(np.dtype(dtype))
+        given = np.asarray(numbers, dtype=dtype)
         room = np.empty(given.nbytes + LINE, np.uint8)
         begin = -room.ctypes.data % LINE
         self.numbers = room[begin : begin + given.nbytes].view(given.dtype).reshape(given.shape)

@@ -113,16 +113,16 @@ def checks_of(b, camera, j, charted, limits, turns, pictured):
 @inlined
 def can_go_on(b, camera, j, charted, limits, turns, pictured):
     """Whether a lane can go on from this measurement."""
-    sound, seen, steered = checks_of(b, camera, j, charted, limits, turns, pictured)
-    return sound and seen and steered
+    sound, seen, placed = checks_of(b, camera, j, charted, limits, turns, pictured)
+    return sound and seen and placed
 
 
 @inlined
 def end_code(b, camera, j, limits, turns, pictured):
     """Why a lane cannot go on from this measurement, or 0."""
     charted = b[CHART + j] == 1.0
-    sound, seen, steered = checks_of(b, camera, j, charted, limits, turns, pictured)
-    code = 0.0 if steered else LEFT_CHART
+    sound, seen, placed = checks_of(b, camera, j, charted, limits, turns, pictured)
+    code = 0.0 if placed else LEFT_CHART
     return DIVERGED if not sound else (code if seen else OUT_OF_VIEW)
 
 
@@ -154,7 +154,10 @@ def note_step(b, j, t):
 
 @inlined
 def measure_states(b, all_charted, gain):
-    """Update what depends on states alone; where all are in the chart, none is asked."""
+    """Update excursions, largest states and speeds.
+
+    Where it is known that ``all_charted`` are in the chart, that is not looked up.
+    """
     for j in range(BLOCK):
         x, y, third, u0, u1 = state_at(b, j, S0)
         charted = all_charted or b[CHART + j] == 1.0

@@ -75,6 +75,12 @@ def find_steps(b, groups):
 
 
 @inlined
+def count_of(groups, step):
+    """Say how many groups have lanes in a step."""
+    return groups[int(step)]
+
+
+@inlined
 def group_of(groups, step, i):
     """Give the first lane of one of the groups that have lanes in a step."""
     # so that the compiler sees that it is an index

@@ -2,7 +2,8 @@
 
 Written as a condition, such a replacement becomes a masked store in a vector loop. AMD's processors
 without AVX-512 carry one out in some forty micro-operations, and cannot forward what it stored to
-a later load (docs/numerics.md has what they cost). So each is a load, a choice and a store.
+a later load: lanes took a quarter to two thirds longer there. So each is a load, a choice and a
+store.
 
 For the same reason loops over lanes read numbers first and choose between them then: a read under a
 condition becomes a masked load, and what is then stored a masked store.
