@@ -1,9 +1,11 @@
 """How scalar functions are handed to the compiler."""
 
+from importlib.util import find_spec
 from typing import Any
 
 from numba.core import codegen, config
 from numba.extending import overload
+from numba.np import linalg
 
 from parkproof.scalar import MARKED
 from parkproof.simulation.inlining import InlinedCompiler, KernelCompiler
@@ -31,6 +33,30 @@ def _use_wide_registers() -> None:
 
 
 _use_wide_registers()
+
+
+def _load_arrays_without_scipy() -> None:
+    """Import numba's functions of arrays, but not SciPy's linear algebra, which no kernel uses.
+
+    numba imports that, which takes 0.3 s, only to note whether it is there. Functions that do use
+    it import it when they are compiled, as ever.
+    """
+    asked = linalg.ensure_blas
+
+    def ask() -> None:
+        if find_spec("scipy") is None:
+            asked()
+
+    linalg.ensure_blas = ask
+    try:
+        from numba.np import arraymath
+
+        arraymath.ensure_blas = asked
+    finally:
+        linalg.ensure_blas = asked
+
+
+_load_arrays_without_scipy()
 
 _INLINED: dict[str, Any] = {"forceinline": True, **OPTIONS}
 _INLINED_HERE: dict[str, Any] = {
